@@ -1,0 +1,296 @@
+"""Rule text <-> rule, and the one numbering of a system's rules.
+
+The language, keywords in any case, names exactly as they are written::
+
+    rule        = "if" expression "then" consequent {"," consequent} ["with" weight]
+    expression  = conjunction {"or" conjunction}
+    conjunction = factor {"and" factor}
+    factor      = "not" factor | "(" expression ")" | variable "is" ["not"] term
+    consequent  = output "is" term
+
+NOT binds tighter than AND, AND tighter than OR (IEC 61131-7). A name that holds a blank, a bracket, a comma or a
+double quote, or that is a keyword, stands in double quotes; a double quote in it is doubled.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from fuzzy.errors import FormatError, expected
+from fuzzy.system import And, Expression, FuzzySystem, Is, Not, Or, Rule, Variable
+
+KEYWORDS = frozenset({"if", "then", "is", "not", "and", "or", "with"})
+"""Words that are names only in double quotes."""
+
+MAX_DEPTH = 16
+"""Greatest nesting of NOT, AND and OR in an antecedent."""
+
+MAX_PROPOSITIONS = 64
+"""Greatest number of propositions in an antecedent, and of consequents in a rule."""
+
+_MAX_BRACKETS = 4 * MAX_DEPTH
+
+_TOKEN = re.compile(r'(?P<quoted>"(?:[^"]|"")*")|(?P<mark>[(),])|(?P<word>[^\s(),"]+)')
+_BLANKS = re.compile(r"\s*")
+_WEIGHT = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_BARE_NAME = re.compile(r'[^\s(),"]+')
+
+
+def parse_rule(text: str, system: FuzzySystem) -> Rule:
+    """Read one rule.
+
+    Args:
+        text: The rule, such as ``if e is NB and de is not FR then T is LL with 0.8``.
+        system: The system whose variables and terms the rule may name; its own rules do not matter.
+
+    Returns:
+        The rule; ``format_rule`` gives a text from which it is read again.
+
+    Raises:
+        FormatError: With the column of the first word that is wrong, what it is and what is valid.
+    """
+    return _Parser(text, system).rule()
+
+
+def format_rule(rule: Rule) -> str:
+    """Return the canonical text of a rule: lower-case keywords, brackets only where they change the meaning."""
+    consequents = ", ".join(_proposition(consequent) for consequent in rule.consequents)
+    weight = "" if rule.weight == 1 else f" with {rule.weight!r}"
+    return f"if {format_expression(rule.antecedent)} then {consequents}{weight}"
+
+
+def format_expression(expression: Expression) -> str:
+    """Return the canonical text of an antecedent."""
+    match expression:
+        case Is():
+            return _proposition(expression)
+        case Not(operand=Is(variable=variable, term=term)):
+            return f"{_quoted(variable)} is not {_quoted(term)}"
+        case Not(operand=operand):
+            return f"not ({format_expression(operand)})"
+        case And(operands=operands):
+            return " and ".join(_operand(operand, And | Or) for operand in operands)
+        case Or(operands=operands):
+            return " or ".join(_operand(operand, Or) for operand in operands)
+
+
+def all_rules(system: FuzzySystem) -> tuple[Rule, ...]:
+    """Return every rule of a system in the order in which rules are numbered, from 0.
+
+    First the table, row by row without the empty cells, then the list.
+    """
+    table = system.rules.table
+    if table is None:
+        return system.rules.list
+    rows = _terms_of(system, table.rows)
+    columns = _terms_of(system, table.columns)
+    expanded = tuple(
+        Rule(And((Is(table.rows, row), Is(table.columns, column))), (Is(table.output, cell),))
+        for row, cells in zip(rows, table.cells, strict=True)
+        for column, cell in zip(columns, cells, strict=True)
+        if cell is not None
+    )
+    return expanded + system.rules.list
+
+
+def table_rule_indices(system: FuzzySystem) -> tuple[tuple[int, ...], ...]:
+    """Return the number of each table cell's rule, rows by columns, -1 for an empty cell; () without a table."""
+    if system.rules.table is None:
+        return ()
+    number = -1
+    indices: list[tuple[int, ...]] = []
+    for cells in system.rules.table.cells:
+        row: list[int] = []
+        for cell in cells:
+            number += cell is not None
+            row.append(-1 if cell is None else number)
+        indices.append(tuple(row))
+    return tuple(indices)
+
+
+def propositions(expression: Expression) -> list[Is]:
+    """Return the propositions of an antecedent from left to right."""
+    match expression:
+        case Is():
+            return [expression]
+        case Not(operand=operand):
+            return propositions(operand)
+        case And(operands=operands) | Or(operands=operands):
+            return [proposition for operand in operands for proposition in propositions(operand)]
+
+
+def depth(expression: Expression) -> int:
+    """Return how many NOT, AND and OR stand above the deepest proposition."""
+    match expression:
+        case Is():
+            return 0
+        case Not(operand=operand):
+            return 1 + depth(operand)
+        case And(operands=operands) | Or(operands=operands):
+            return 1 + max((depth(operand) for operand in operands), default=0)
+
+
+def _terms_of(system: FuzzySystem, variable: str) -> list[str]:
+    return next([term.name for term in entry.terms] for entry in system.inputs if entry.name == variable)
+
+
+def _operand(operand: Expression, bracketed: object) -> str:
+    text = format_expression(operand)
+    return f"({text})" if isinstance(operand, bracketed) else text  # type: ignore[arg-type]
+
+
+def _proposition(proposition: Is) -> str:
+    return f"{_quoted(proposition.variable)} is {_quoted(proposition.term)}"
+
+
+def _quoted(name: str) -> str:
+    if _BARE_NAME.fullmatch(name) and name.lower() not in KEYWORDS:
+        return name
+    return '"' + name.replace('"', '""') + '"'
+
+
+class _Parser:
+    """Recursive descent over one rule's text; ``start`` and ``end`` frame the current word."""
+
+    def __init__(self, text: str, system: FuzzySystem) -> None:
+        self.text = text
+        self.inputs: dict[str, Variable] = {variable.name: variable for variable in system.inputs}
+        self.outputs: dict[str, Variable] = {variable.name: variable for variable in system.outputs}
+        self.count = 0
+        self.end = 0
+        self.advance()
+
+    def advance(self) -> None:
+        """Step to the next word; an empty word is the end of the text."""
+        blanks = _BLANKS.match(self.text, self.end)
+        self.start = blanks.end() if blanks else self.end
+        match = _TOKEN.match(self.text, self.start)
+        if match is None and self.start < len(self.text):
+            self.end = len(self.text)
+            raise self.error("this name in double quotes does not end: expected '\"'")
+        self.end = match.end() if match else self.start
+        self.word = match.group() if match else ""
+        self.is_keyword = self.word.lower() in KEYWORDS
+
+    def error(self, message: str) -> FormatError:
+        """Return an error at the current word."""
+        return FormatError(message, "rule", 1, self.start + 1)
+
+    def unexpected(self, valid: str) -> FormatError:
+        """Return an error that says which word was found and what would be valid."""
+        found = f"'{_shown(self.word)}'" if self.word else "the end of the rule"
+        return self.error(f"expected {valid}, found {found}")
+
+    def accept(self, word: str) -> bool:
+        """Step over ``word`` where it comes next."""
+        if self.word.lower() != word:
+            return False
+        self.advance()
+        return True
+
+    def require(self, word: str, alternatives: str = "") -> None:
+        """Step over ``word``, which must come next."""
+        if not self.accept(word):
+            raise self.unexpected(f"'{word}'{alternatives}")
+
+    def rule(self) -> Rule:
+        """Read the whole text."""
+        self.require("if")
+        antecedent = self.expression(0)
+        if depth(antecedent) > MAX_DEPTH:
+            raise FormatError(f"the antecedent is nested more than {MAX_DEPTH} deep", "rule", 1, 1)
+        self.require("then", ", 'and' or 'or'")
+        consequents = [self.consequent()]
+        while self.accept(","):
+            consequents.append(self.consequent())
+            if len(consequents) > MAX_PROPOSITIONS:
+                raise self.error(f"a rule has at most {MAX_PROPOSITIONS} consequents")
+        weight = self.weight() if self.accept("with") else 1.0
+        if self.word:
+            raise self.unexpected("',', 'with' or the end of the rule")
+        return Rule(antecedent, tuple(consequents), weight)
+
+    def expression(self, level: int) -> Expression:
+        """Read conjunctions joined by OR."""
+        operands = [self.conjunction(level)]
+        while self.accept("or"):
+            operands.append(self.conjunction(level))
+        return operands[0] if len(operands) == 1 else Or(tuple(operands))
+
+    def conjunction(self, level: int) -> Expression:
+        """Read factors joined by AND."""
+        operands = [self.factor(level)]
+        while self.accept("and"):
+            operands.append(self.factor(level))
+        return operands[0] if len(operands) == 1 else And(tuple(operands))
+
+    def factor(self, level: int) -> Expression:
+        """Read a negation, a bracket or a proposition."""
+        if level > _MAX_BRACKETS:
+            raise self.error(f"'not' and '(' are nested more than {_MAX_BRACKETS} deep")
+        if self.accept("not"):
+            return Not(self.factor(level + 1))
+        if self.accept("("):
+            inner = self.expression(level + 1)
+            self.require(")", ", 'and' or 'or'")
+            return inner
+        self.count += 1
+        if self.count > MAX_PROPOSITIONS:
+            raise self.error(f"an antecedent has at most {MAX_PROPOSITIONS} propositions")
+        variable = self.variable(
+            self.inputs, "an input, 'not' or '('", self.outputs, "output, an antecedent names inputs"
+        )
+        self.require("is")
+        negated = self.accept("not")
+        proposition = Is(variable.name, self.term(variable))
+        return Not(proposition) if negated else proposition
+
+    def consequent(self) -> Is:
+        """Read "output is term"."""
+        variable = self.variable(self.outputs, "an output", self.inputs, "input, a consequent names outputs")
+        self.require("is")
+        if self.word.lower() == "not":
+            raise self.error("a consequent cannot be negated: expected a term")
+        return Is(variable.name, self.term(variable))
+
+    def variable(self, valid: dict[str, Variable], wanted: str, other: dict[str, Variable], reason: str) -> Variable:
+        """Read the name of one of the ``valid`` variables."""
+        name = self.name(wanted, valid)
+        if name in valid:
+            self.advance()
+            return valid[name]
+        if name in other:
+            raise self.error(f"'{name}' is an {reason}: {', '.join(valid)}")
+        raise self.error(f"unknown variable {expected(_shown(name), valid)}")
+
+    def term(self, variable: Variable) -> str:
+        """Read the name of a term of ``variable``."""
+        names = [term.name for term in variable.terms]
+        name = self.name(f"a term of '{variable.name}'", names)
+        if name not in names:
+            raise self.error(f"unknown term of '{variable.name}': {expected(_shown(name), names)}")
+        self.advance()
+        return name
+
+    def name(self, wanted: str, valid: Iterable[str]) -> str:
+        """Return the name that the current word is."""
+        if self.word.startswith('"'):
+            return self.word[1:-1].replace('""', '"')
+        if self.is_keyword and self.word in valid:
+            raise self.error(f"the name '{self.word}' is a keyword too: write it in double quotes")
+        if not self.word or self.is_keyword or self.word in "(),":
+            raise self.unexpected(wanted)
+        return self.word
+
+    def weight(self) -> float:
+        """Read a rule weight."""
+        if not _WEIGHT.fullmatch(self.word) or not 0 <= float(self.word) <= 1:
+            raise self.unexpected("a weight from 0 to 1")
+        weight = float(self.word)
+        self.advance()
+        return weight
+
+
+def _shown(text: str) -> str:
+    return text if len(text) <= 40 else f"{text[:40]}…"

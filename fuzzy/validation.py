@@ -1,0 +1,245 @@
+"""What a valid document is. Readers, edits and the compiler rely on it; kernels check nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+
+import msgspec
+
+from fuzzy import rules, shapes
+from fuzzy.errors import InvalidSystemError, expected
+from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle
+from fuzzy.system import And, Expression, FuzzySystem, Is, Not, Or, Output, Rule, RuleTable, Sampling, Variable
+
+MAX_VARIABLES = 16
+"""Greatest number of inputs, and of outputs."""
+
+MAX_TERMS = 64
+"""Greatest number of terms of one variable."""
+
+MAX_RULES = 4096
+"""Greatest number of rules, table and list together."""
+
+MAX_NAME = 64
+"""Greatest length of a name or a unit, in characters."""
+
+MAX_NOTES = 20_000
+"""Greatest length of the notes, in characters."""
+
+MAX_VALUE = 1e12
+"""Greatest magnitude of a range's end or a shape's parameter: squares and differences keep their digits."""
+
+MIN_RELATIVE_WIDTH = 1e-9
+"""Least width of a range over its magnitude, and of an output term's set over its range."""
+
+MIN_WIDTH = 1e-12
+"""Least width of a range."""
+
+MIN_POINTS, MAX_POINTS = 2, 100_000
+"""Numbers of samples that a sampled defuzzifier may take."""
+
+
+def validate(system: FuzzySystem) -> FuzzySystem:
+    """Refuse a document that breaks a rule of the schema or of fuzzy inference.
+
+    Args:
+        system: A document from anywhere; its fields may hold wrong types.
+
+    Returns:
+        The document, its numbers as floats and its sequences as tuples.
+
+    Raises:
+        InvalidSystemError: With the path of the first mistake, what was found and what is valid.
+    """
+    system = _typed(system)
+    _check_name(system.name, "name", "the system's name")
+    _check_text(system.notes, "notes", MAX_NOTES)
+    _check_count(system.inputs, "inputs", MAX_VARIABLES)
+    _check_count(system.outputs, "outputs", MAX_VARIABLES)
+    _check_unique([variable.name for variable in (*system.inputs, *system.outputs)], "variables")
+    for entry in system.inputs:
+        _check_variable(entry, f"inputs.{entry.name}")
+    for entry in system.outputs:
+        _check_output(entry, f"outputs.{entry.name}")
+    _check_rules(system)
+    resolution = system.inference.resolution
+    if isinstance(resolution, Sampling) and not MIN_POINTS <= resolution.points <= MAX_POINTS:
+        message = f"{resolution.points} points: valid are {MIN_POINTS} to {MAX_POINTS}"
+        raise InvalidSystemError(message, "inference.resolution.points")
+    return system
+
+
+def support_on(shape: Shape, low: float, high: float) -> tuple[float, float]:
+    """Return where a set is above 0 inside [low, high]; left > right where it is empty there.
+
+    A Gaussian counts as 0 beyond eight sigma, where it is below 1.3e-14.
+    """
+    match shape:
+        case Triangle(a=left, c=right) | Trapezoid(a=left, d=right):
+            pass
+        case Gaussian(mean=mean, sigma=sigma):
+            left, right = mean - 8 * sigma, mean + 8 * sigma
+    return max(left, low), min(right, high)
+
+
+def _typed(system: FuzzySystem) -> FuzzySystem:
+    """Check the types of all fields: constructors do not, and a document may have been built by hand."""
+    if not isinstance(system, FuzzySystem):
+        raise InvalidSystemError(f"expected a FuzzySystem, found {type(system).__name__}")
+    try:
+        return msgspec.convert(msgspec.to_builtins(system), FuzzySystem)
+    except msgspec.ValidationError as error:
+        message, _, place = str(error).partition(" - at `$")
+        raise InvalidSystemError(message, place.strip("`.")) from None
+    except (RecursionError, TypeError, ValueError, OverflowError) as error:
+        raise InvalidSystemError(f"the document holds what no schema type is: {error}") from None
+
+
+def _check_count(entries: Sequence[object], path: str, most: int) -> None:
+    if not 1 <= len(entries) <= most:
+        raise InvalidSystemError(f"{len(entries)} {path.rpartition('.')[2]}: valid are 1 to {most}", path)
+
+
+def _check_name(name: str, path: str, what: str) -> None:
+    if not name:
+        raise InvalidSystemError(f"{what} is empty", path)
+    if len(name) > MAX_NAME:
+        raise InvalidSystemError(f"{what} has {len(name)} characters: at most {MAX_NAME}", path)
+    if not name.isprintable():
+        raise InvalidSystemError(f"{what} {name!r} holds a character that cannot be printed", path)
+    if name != name.strip():
+        raise InvalidSystemError(f"{what} '{name}' begins or ends with a blank", path)
+
+
+def _check_text(text: str, path: str, most: int) -> None:
+    if len(text) > most:
+        raise InvalidSystemError(f"{len(text)} characters: at most {most}", path)
+    wrong = next((letter for letter in text if not (letter.isprintable() or letter in "\n\t")), None)
+    if wrong is not None:
+        raise InvalidSystemError(f"holds the character {wrong!r}, which cannot be printed", path)
+
+
+def _check_unique(names: Iterable[str], path: str) -> None:
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise InvalidSystemError(f"the name '{name}' is used twice", path)
+        seen.add(name)
+
+
+def _check_variable(variable: Variable, path: str) -> None:
+    _check_name(variable.name, path, "a variable's name")
+    low, high = variable.low, variable.high
+    if not (low < high and max(abs(low), abs(high)) <= MAX_VALUE):
+        message = f"[{low:g}, {high:g}]: valid is low < high, both finite and at most {MAX_VALUE:g}"
+        raise InvalidSystemError(message, f"{path}.range")
+    if high - low < max(MIN_WIDTH, MIN_RELATIVE_WIDTH * max(abs(low), abs(high))):
+        raise InvalidSystemError(f"[{low!r}, {high!r}] is too narrow to compute with", f"{path}.range")
+    if len(variable.unit) > MAX_NAME or not variable.unit.isprintable():
+        raise InvalidSystemError(f"expected at most {MAX_NAME} printable characters", f"{path}.unit")
+    _check_count(variable.terms, f"{path}.terms", MAX_TERMS)
+    _check_unique([term.name for term in variable.terms], f"{path}.terms")
+    for term in variable.terms:
+        place = f"{path}.terms.{term.name}"
+        _check_name(term.name, place, "a term's name")
+        shapes.validate(term.shape, place)
+        if any(math.isfinite(value) and abs(value) > MAX_VALUE for value in shapes.parameters(term.shape)):
+            raise InvalidSystemError(f"a parameter is beyond {MAX_VALUE:g}", place)
+
+
+def _check_output(output: Output, path: str) -> None:
+    _check_variable(output, path)
+    width = output.high - output.low
+    for term in output.terms:
+        left, right = support_on(term.shape, output.low, output.high)
+        if right - left < MIN_RELATIVE_WIDTH * width:
+            message = f"the set has no area in [{output.low:g}, {output.high:g}], so it has no centroid there"
+            raise InvalidSystemError(message, f"{path}.terms.{term.name}")
+    policy, value = output.no_fire.policy, output.no_fire.value
+    if policy == "default" and not output.low <= value <= output.high:
+        message = f"default {value:g} is outside the range [{output.low:g}, {output.high:g}]"
+        raise InvalidSystemError(message, f"{path}.no_fire")
+    if policy != "default" and value != 0:
+        raise InvalidSystemError(
+            f"value {value:g} belongs to the policy 'default', not to '{policy}'", f"{path}.no_fire"
+        )
+
+
+def _check_rules(system: FuzzySystem) -> None:
+    inputs = {entry.name: [term.name for term in entry.terms] for entry in system.inputs}
+    outputs = {entry.name: [term.name for term in entry.terms] for entry in system.outputs}
+    table = system.rules.table
+    count = len(system.rules.list)
+    if table is not None:
+        _check_table(table, inputs, outputs)
+        count += sum(cell is not None for row in table.cells for cell in row)
+    if count > MAX_RULES:
+        raise InvalidSystemError(f"{count} rules: at most {MAX_RULES}", "rules")
+    for index, rule in enumerate(system.rules.list):
+        _check_rule(rule, inputs, outputs, f"rules.list[{index}]")
+
+
+def _check_table(table: RuleTable, inputs: Mapping[str, list[str]], outputs: Mapping[str, list[str]]) -> None:
+    for axis, name, valid in (
+        ("rows", table.rows, inputs),
+        ("columns", table.columns, inputs),
+        ("output", table.output, outputs),
+    ):
+        if name not in valid:
+            raise InvalidSystemError(f"unknown variable {expected(name, valid)}", f"rules.table.{axis}")
+    if table.rows == table.columns:
+        raise InvalidSystemError(f"rows and columns are the same input '{table.rows}'", "rules.table.columns")
+    rows, columns, terms = inputs[table.rows], inputs[table.columns], outputs[table.output]
+    if len(table.cells) != len(rows):
+        message = f"{len(table.cells)} rows: '{table.rows}' has {len(rows)} terms"
+        raise InvalidSystemError(message, "rules.table.cells")
+    for row, cells in zip(rows, table.cells, strict=True):
+        if len(cells) != len(columns):
+            message = f"{len(cells)} cells: '{table.columns}' has {len(columns)} terms: {', '.join(columns)}"
+            raise InvalidSystemError(message, f"rules.table.cells.{row}")
+        for index, cell in enumerate(cells):
+            if cell is not None and cell not in terms:
+                message = f"unknown term of '{table.output}': {expected(cell, terms)}"
+                raise InvalidSystemError(message, f"rules.table.cells.{row}[{index}]")
+
+
+def _check_rule(rule: Rule, inputs: Mapping[str, list[str]], outputs: Mapping[str, list[str]], path: str) -> None:
+    if not 0 <= rule.weight <= 1:
+        raise InvalidSystemError(f"weight {rule.weight:g}: valid is 0 to 1", path)
+    _check_expression(rule.antecedent, path, 0)
+    found = rules.propositions(rule.antecedent)
+    if len(found) > rules.MAX_PROPOSITIONS:
+        message = f"{len(found)} propositions in the antecedent: at most {rules.MAX_PROPOSITIONS}"
+        raise InvalidSystemError(message, path)
+    _check_count(rule.consequents, path, rules.MAX_PROPOSITIONS)
+    for proposition in found:
+        _check_proposition(proposition, inputs, "input", path)
+    for consequent in rule.consequents:
+        _check_proposition(consequent, outputs, "output", path)
+    if len(set(rule.consequents)) != len(rule.consequents):
+        raise InvalidSystemError("the same consequent stands twice in the rule", path)
+
+
+def _check_expression(expression: Expression, path: str, depth: int) -> None:
+    if depth > rules.MAX_DEPTH:
+        raise InvalidSystemError(f"the antecedent is nested more than {rules.MAX_DEPTH} deep", path)
+    match expression:
+        case Is():
+            pass
+        case Not(operand=operand):
+            _check_expression(operand, path, depth + 1)
+        case And(operands=operands) | Or(operands=operands):
+            if len(operands) < 2:
+                raise InvalidSystemError(f"AND and OR join at least two expressions, found {len(operands)}", path)
+            for operand in operands:
+                _check_expression(operand, path, depth + 1)
+
+
+def _check_proposition(proposition: Is, variables: Mapping[str, list[str]], kind: str, path: str) -> None:
+    terms = variables.get(proposition.variable)
+    if terms is None:
+        raise InvalidSystemError(f"unknown {kind} {expected(proposition.variable, variables)}", path)
+    if proposition.term not in terms:
+        message = f"unknown term of '{proposition.variable}': {expected(proposition.term, terms)}"
+        raise InvalidSystemError(message, path)
