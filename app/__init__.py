@@ -1,0 +1,1 @@
+"""The browser workbench and its command line."""

@@ -1,0 +1,262 @@
+"""Who may connect: a viser server that answers only its own page.
+
+Viser listens without authentication, accepts a websocket from any page, buffers uploads of any size and lets every
+browser open a public tunnel. :func:`start_server` closes these doors. Every private name of viser's that this takes
+stands in this module, and ``tests/app/test_guard.py`` fails when one of them moves. What may be sent by those who are
+connected is the business of :mod:`app.clean`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import hmac
+import http
+import http.client
+import io
+import ipaddress
+import logging
+import os
+import re
+import socket
+import threading
+import urllib.parse
+from collections.abc import Callable, Iterator
+from http.cookies import CookieError, SimpleCookie
+from typing import Any, cast
+
+import viser
+import websockets.asyncio.server
+from viser import _messages
+from websockets.asyncio.server import ServerConnection
+from websockets.http11 import Request, Response
+
+from app.clean import MAX_UPLOAD, Refused
+
+_MAX_PARTS = 64
+"""Most parts of an upload, and most uploads at once: 1 MiB comes in two parts."""
+
+LOOPBACK_NAMES = ("localhost", "127.0.0.1", "[::1]")
+"""Hosts, as a browser writes them, that lead to this machine alone."""
+
+
+class PortBusyError(OSError):
+    """The port is taken; the message names it and says how to choose another."""
+
+
+def is_loopback(host: str) -> bool:
+    """Tell whether ``host`` can be reached from this machine alone."""
+    with contextlib.suppress(ValueError):
+        return ipaddress.ip_address(host.strip("[]")).is_loopback
+    return host.lower() == "localhost"
+
+
+def require_free_port(host: str, port: int) -> None:
+    """Raise :class:`PortBusyError` if ``port`` is taken, or another OSError if ``host`` cannot be listened on."""
+    try:
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    except (OSError, UnicodeError) as error:
+        raise OSError(f"cannot listen on {host!r}: no such host") from error
+    for family, kind, protocol, _, address in found:
+        with socket.socket(family, kind, protocol) as probe:
+            if os.name == "posix":  # as asyncio does: a port that was just left is free
+                probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            if family == socket.AF_INET6:
+                probe.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+            try:
+                probe.bind(address)
+                probe.listen(1)
+            except PermissionError as error:
+                raise OSError(f"port {port} needs more rights than yours; choose one from 1024 with --port") from error
+            except OSError as error:
+                if error.errno != errno.EADDRINUSE:
+                    raise OSError(f"cannot listen on {host}:{port}: {error.strerror}") from error
+                raise PortBusyError(f"port {port} on {host} is busy; choose another with --port") from error
+
+
+class Gate:
+    """Decides which HTTP requests and websocket handshakes are answered; everything else gets 403.
+
+    Args:
+        host: Address that the server listens on. Other machines can only name this one when it is not a loopback
+            address.
+        token: Secret that the first request carries as ``?token=`` and later ones as a cookie; None for no token.
+    """
+
+    def __init__(self, host: str, token: str | None) -> None:
+        self._names = set(LOOPBACK_NAMES)
+        self._is_open_to_others = not is_loopback(host)
+        if self._is_open_to_others:
+            self._names |= {_host_name(host), socket.gethostname().lower()}
+        self._token = token
+        self.is_open = False
+
+    def answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        """Return the response that ends this request here, or None when the request may go on."""
+        if not self.is_open:
+            return connection.respond(http.HTTPStatus.SERVICE_UNAVAILABLE, "The workbench is starting.\n")
+        address, port = connection.local_address[:2]
+        hosts = request.headers.get_all("Host")
+        if len(hosts) != 1 or hosts[0].lower() not in self._valid_hosts(address, port):
+            return _forbid(connection, f"The Host header is not this server's: open http://127.0.0.1:{port} instead.")
+        origins = request.headers.get_all("Origin")
+        if origins and origins != [f"http://{hosts[0]}"]:
+            return _forbid(connection, "Pages of other origins may not connect.")
+        return None if self._token is None else self._check_token(connection, request, port)
+
+    def _valid_hosts(self, address: str, port: int) -> set[str]:
+        names = set(self._names)
+        if self._is_open_to_others:
+            names.add(_host_name(address))  # the address itself: a rebound name can never look like one
+        return {f"{name}:{port}" for name in names} | (names if port == http.client.HTTP_PORT else set())
+
+    def _check_token(self, connection: ServerConnection, request: Request, port: int) -> Response | None:
+        cookie = f"fuzzy_workbench_{port}"  # cookies know no ports
+        path, _, query = request.path.partition("?")
+        for given in urllib.parse.parse_qs(query).get("token", []):
+            if self._is_token(given):
+                # Viser's page would build its websocket's address from this one: go on without the query.
+                response = connection.respond(http.HTTPStatus.SEE_OTHER, "")
+                response.headers["Location"] = "/" + path.lstrip("/")
+                response.headers["Set-Cookie"] = f"{cookie}={given}; HttpOnly; SameSite=Strict; Path=/"
+                response.headers["Referrer-Policy"] = "no-referrer"
+                return response
+        with contextlib.suppress(CookieError):
+            for header in request.headers.get_all("Cookie"):
+                morsel = SimpleCookie(header).get(cookie)
+                if morsel is not None and self._is_token(morsel.value):
+                    return None
+        return _forbid(connection, "This workbench needs its token: open the address that it printed when it started.")
+
+    def _is_token(self, given: str) -> bool:
+        return hmac.compare_digest(given.encode(errors="replace"), cast("str", self._token).encode())
+
+
+def _forbid(connection: ServerConnection, sentence: str) -> Response:
+    return connection.respond(http.HTTPStatus.FORBIDDEN, sentence + "\n")
+
+
+def _host_name(address: str) -> str:
+    """Return an address or name as the Host header writes it."""
+    bare = address.strip("[]").lower()
+    return f"[{bare}]" if ":" in bare else bare
+
+
+def check_token(token: str) -> str:
+    """Return ``token`` if it can stand in an address and a cookie and is too long to be guessed."""
+    if re.fullmatch(r"[A-Za-z0-9_-]{16,128}", token):
+        return token
+    raise Refused(
+        f"a token of {len(token)} characters cannot be used; valid are 16 to 128 of the characters A-Z a-z 0-9 _ -"
+    )
+
+
+def start_server(*, host: str = "127.0.0.1", port: int = 8080, token: str | None = None) -> viser.ViserServer:
+    """Start a viser server that only its own page can talk to.
+
+    Host, Origin and token are checked before HTTP requests and websockets alike; the public share tunnel is taken
+    out; uploads are limited to ``MAX_UPLOAD`` bytes in flight. Nothing is printed.
+
+    Args:
+        host: Address to listen on.
+        port: Port to listen on; 0 takes a free one (``server.get_port()`` names it).
+        token: Secret that a browser must show, see :func:`check_token`; None for none.
+
+    Raises:
+        PortBusyError: The port is taken.
+        OSError: The address is not one of this machine's.
+        RuntimeError: This version of viser has moved what the guard hooks into.
+    """
+    require_free_port(host, port)
+    gate = Gate(host, None if token is None else check_token(token))
+    with _gated_serve(gate) as calls, contextlib.redirect_stdout(io.StringIO()):
+        server = viser.ViserServer(host=host, port=port, verbose=False)
+    try:
+        _require_gated(server, port, calls)
+        _close_share_tunnel(server)
+        _limit_uploads(server)
+    except BaseException:
+        server.stop()
+        raise
+    gate.is_open = True
+    return server
+
+
+_serve_lock = threading.Lock()
+
+
+@contextlib.contextmanager
+def _gated_serve(gate: Gate) -> Iterator[list[int]]:
+    """Put ``gate`` before every websockets server that is started meanwhile; yields the list of their ports."""
+    calls: list[int] = []
+    real = websockets.asyncio.server.serve
+
+    def serve(handler: Any, host: Any, port: Any, *, process_request: Callable[..., Any], **options: Any) -> Any:
+        def gated(connection: ServerConnection, request: Request) -> Any:
+            response = gate.answer(connection, request)
+            return process_request(connection, request) if response is None else response
+
+        calls.append(port)
+        return real(handler, host, port, process_request=gated, logger=_quiet_logger(), **options)
+
+    with _serve_lock:
+        websockets.asyncio.server.serve = cast("Any", serve)
+        try:
+            yield calls
+        finally:
+            websockets.asyncio.server.serve = real
+
+
+def _require_gated(server: viser.ViserServer, port: int, calls: list[int]) -> None:
+    if not calls:
+        raise RuntimeError("viser no longer starts its server through websockets.asyncio.server.serve")
+    if port not in (0, server.get_port()):  # viser takes the next free one
+        raise PortBusyError(f"port {port} is busy; choose another with --port")
+
+
+def _quiet_logger() -> logging.Logger:
+    """Return a logger without the traceback for every connection that ends before it has asked for anything."""
+    logger = logging.getLogger("app.guard.websockets")
+    logger.addFilter(_is_worth_logging)
+    return logger
+
+
+def _is_worth_logging(record: logging.LogRecord) -> bool:
+    return record.getMessage() != "opening handshake failed"
+
+
+def _close_share_tunnel(server: viser.ViserServer) -> None:
+    """Drop the messages with which any browser could open a public tunnel to this server."""
+    for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
+        server._websock_server.unregister_handler(message)
+
+
+def _limit_uploads(server: viser.ViserServer) -> None:
+    """Drop uploads, and parts of them, that would hold more than ``MAX_UPLOAD`` bytes together.
+
+    Viser buffers whatever arrives; its own table of transfers in flight is the truth about who still uploads.
+    """
+    gui = server.gui
+    handlers = server._websock_server._incoming_handlers
+    (start,) = handlers[_messages.FileTransferStartUpload]
+    (receive,) = handlers[_messages.FileTransferPart]
+
+    def begin(client_id: Any, message: _messages.FileTransferStartUpload) -> Any:
+        in_flight = gui._current_file_upload_states
+        promised = sum(state["total_bytes"] for state in in_flight.values())
+        is_small = 0 <= message.size_bytes <= MAX_UPLOAD - promised
+        if is_small and 0 <= message.part_count <= _MAX_PARTS and len(in_flight) < _MAX_PARTS:
+            return start(client_id, cast("Any", message))
+        return None
+
+    def go_on(client_id: Any, message: _messages.FileTransferPart) -> Any:
+        state = gui._current_file_upload_states.get(message.transfer_uuid)
+        if state is None:
+            return None
+        if state["transferred_bytes"] + len(message.content) > state["total_bytes"]:
+            del gui._current_file_upload_states[message.transfer_uuid]
+            return None
+        return receive(client_id, cast("Any", message))
+
+    handlers[_messages.FileTransferStartUpload] = [cast("Any", begin)]
+    handlers[_messages.FileTransferPart] = [cast("Any", go_on)]
