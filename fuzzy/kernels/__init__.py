@@ -1,0 +1,1 @@
+"""Numba kernels of fuzzy inference: arrays in, arrays out, no exceptions."""

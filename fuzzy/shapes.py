@@ -1,0 +1,130 @@
+"""Membership functions: one closed union of shapes and their invariants.
+
+A shape is data; its degrees are computed by :mod:`fuzzy.kernels.membership`, here and in every controller alike.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import assert_never
+
+import msgspec
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fuzzy.errors import InvalidSystemError
+from fuzzy.kernels import membership
+
+
+class Triangle(msgspec.Struct, frozen=True, tag="triangle"):
+    """Rises from ``a`` to 1 at ``b`` and falls to ``c``; ``a`` or ``c`` may be infinite, an open shoulder."""
+
+    a: float
+    b: float
+    c: float
+
+
+class Trapezoid(msgspec.Struct, frozen=True, tag="trapezoid"):
+    """Rises from ``a`` to 1 at ``b``, stays to ``c`` and falls to ``d``; ``a`` or ``d`` may be infinite."""
+
+    a: float
+    b: float
+    c: float
+    d: float
+
+
+class Gaussian(msgspec.Struct, frozen=True, tag="gaussian"):
+    """exp(-(x - mean)² / (2 sigma²))."""
+
+    mean: float
+    sigma: float
+
+
+Shape = Triangle | Trapezoid | Gaussian
+
+SHAPES: tuple[type[Shape], ...] = (Triangle, Trapezoid, Gaussian)
+"""All kinds of shapes, in the order in which they are offered."""
+
+PIECEWISE_LINEAR = (Triangle, Trapezoid)
+"""Shapes whose centroids have a closed form."""
+
+
+def kind(shape: Shape | type[Shape]) -> str:
+    """Return the schema's word for a shape, such as ``triangle``."""
+    config = shape.__struct_config__
+    return str(config.tag)
+
+
+def parameter_names(shape: Shape | type[Shape]) -> tuple[str, ...]:
+    """Return the names of a shape's parameters, in their order in files."""
+    return shape.__struct_fields__
+
+
+def parameters(shape: Shape) -> tuple[float, ...]:
+    """Return a shape's parameters, in the order of ``parameter_names``."""
+    return tuple(float(getattr(shape, name)) for name in shape.__struct_fields__)
+
+
+def encode(shape: Shape) -> tuple[int, tuple[float, float, float, float]]:
+    """Return a shape as the kernels read it: its code and four parameters, see :mod:`fuzzy.kernels.membership`."""
+    match shape:
+        case Triangle(a=a, b=b, c=c):
+            return membership.TRAPEZOID, (a, b, b, c)
+        case Trapezoid(a=a, b=b, c=c, d=d):
+            return membership.TRAPEZOID, (a, b, c, d)
+        case Gaussian(mean=mean, sigma=sigma):
+            return membership.GAUSSIAN, (mean, sigma, 0.0, 0.0)
+        case _:
+            assert_never(shape)
+
+
+def degrees(shape: Shape, x: ArrayLike) -> NDArray[np.float64]:
+    """Return the membership degree of every value of ``x``.
+
+    Args:
+        shape: A valid shape.
+        x: Crisp values of any shape, in the variable's unit.
+
+    Returns:
+        Degrees in [0, 1], of the shape of ``x``.
+    """
+    values = np.asarray(x, dtype=np.float64)
+    degree = np.empty(values.size)
+    code, four = encode(shape)
+    membership.degrees(code, np.array(four), values.ravel(), degree)
+    return degree.reshape(values.shape)
+
+
+def break_points(shape: Shape) -> tuple[float, ...]:
+    """Return the finite points at which a piecewise-linear shape bends, or a curved shape's centre."""
+    match shape:
+        case Gaussian(mean=mean):
+            return (mean,)
+        case _:
+            return tuple(value for value in parameters(shape) if math.isfinite(value))
+
+
+def validate(shape: Shape, path: str = "") -> None:
+    """Refuse a shape that is no fuzzy set.
+
+    Raises:
+        InvalidSystemError: With ``path``, the values found and the order that is valid.
+    """
+    values = parameters(shape)
+    text = f"{kind(shape)} [{', '.join(f'{value:g}' for value in values)}]"
+    if any(math.isnan(value) for value in values):
+        raise InvalidSystemError(f"{text} holds a value that is not a number", path)
+    match shape:
+        case Gaussian(mean=mean, sigma=sigma):
+            if not (math.isfinite(mean) and math.isfinite(sigma) and sigma > 0):
+                raise InvalidSystemError(f"{text}: mean must be finite and sigma finite and greater than 0", path)
+        case Triangle() | Trapezoid():
+            names = " ≤ ".join(parameter_names(shape))
+            if list(values) != sorted(values):
+                raise InvalidSystemError(f"{text} is not in order: valid is {names}", path)
+            if not all(math.isfinite(value) for value in values[1:-1]):
+                raise InvalidSystemError(f"{text}: only the outer values may be infinite (.inf, -.inf)", path)
+            if values[0] == math.inf or values[-1] == -math.inf:
+                raise InvalidSystemError(f"{text}: an open shoulder is -.inf on the left or .inf on the right", path)
+            if len(values) == 3 and math.isinf(values[0]) and math.isinf(values[2]):
+                raise InvalidSystemError(f"{text} is 1 everywhere: at most one side may be open", path)

@@ -1,0 +1,145 @@
+"""The document: a fuzzy system as frozen values that are compared by value, never by identity."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+from fuzzy.shapes import Shape
+
+TNorm = Literal["min", "product"]
+SNorm = Literal["max", "algebraic_sum"]
+Implication = Literal["min", "product"]
+Aggregation = Literal["max", "sum"]
+Defuzzifier = Literal["centroid"]
+SamplingRule = Literal["midpoints", "endpoints"]
+OutOfRange = Literal["clamp", "reject"]
+NoFirePolicy = Literal["default", "hold", "midpoint", "nan"]
+
+SCHEMA = "fuzzy-workbench/1"
+"""Name and version of the document's schema, the first line of every file."""
+
+
+class Term(msgspec.Struct, frozen=True):
+    """A linguistic term and its fuzzy set."""
+
+    name: str
+    shape: Shape
+
+
+class Input(msgspec.Struct, frozen=True):
+    """A crisp input: its universe [low, high], its terms, and what happens to a value outside."""
+
+    name: str
+    low: float
+    high: float
+    terms: tuple[Term, ...]
+    unit: str = ""
+    out_of_range: OutOfRange = "clamp"
+
+
+class NoFire(msgspec.Struct, frozen=True):
+    """What an output is when no rule fires: ``value`` (default), the last output, the midpoint of its range, or NaN."""
+
+    policy: NoFirePolicy = "default"
+    value: float = 0.0
+
+
+class Output(msgspec.Struct, frozen=True):
+    """A crisp output: its universe [low, high], its terms, and its value when no rule fires."""
+
+    name: str
+    low: float
+    high: float
+    terms: tuple[Term, ...]
+    unit: str = ""
+    no_fire: NoFire = NoFire()
+
+
+Variable = Input | Output
+
+
+class Is(msgspec.Struct, frozen=True, tag="is"):
+    """Proposition "``variable`` is ``term``"."""
+
+    variable: str
+    term: str
+
+
+class Not(msgspec.Struct, frozen=True, tag="not"):
+    """Complement of an expression: 1 - degree."""
+
+    operand: Expression
+
+
+class And(msgspec.Struct, frozen=True, tag="and"):
+    """Conjunction of two or more expressions by the system's AND."""
+
+    operands: tuple[Expression, ...]
+
+
+class Or(msgspec.Struct, frozen=True, tag="or"):
+    """Disjunction of two or more expressions by the system's OR."""
+
+    operands: tuple[Expression, ...]
+
+
+Expression = Is | Not | And | Or
+
+
+class Rule(msgspec.Struct, frozen=True):
+    """If ``antecedent`` then all of ``consequents``; ``weight`` in [0, 1] multiplies the firing strength."""
+
+    antecedent: Expression
+    consequents: tuple[Is, ...]
+    weight: float = 1.0
+
+
+class RuleTable(msgspec.Struct, frozen=True):
+    """Rules "if rows is r and columns is c then output is cells[r][c]", one a cell; None is no rule.
+
+    ``cells`` has one row for each term of the input ``rows`` and one column for each term of ``columns``, in the
+    order of the terms.
+    """
+
+    rows: str
+    columns: str
+    output: str
+    cells: tuple[tuple[str | None, ...], ...]
+
+
+class RuleBase(msgspec.Struct, frozen=True):
+    """The rules: a table for two inputs, and a list for what a table cannot say. Rules are numbered in this order."""
+
+    table: RuleTable | None = None
+    list: tuple[Rule, ...] = ()
+
+
+class Sampling(msgspec.Struct, frozen=True):
+    """Defuzzification over samples, as other engines do: N interval midpoints, or N points with both ends."""
+
+    points: int
+    rule: SamplingRule = "midpoints"
+
+
+class Inference(msgspec.Struct, frozen=True):
+    """The operators; ``resolution`` is the closed form (exact) or another engine's sampling."""
+
+    conjunction: TNorm = "min"
+    disjunction: SNorm = "max"
+    implication: Implication = "min"
+    aggregation: Aggregation = "max"
+    defuzzifier: Defuzzifier = "centroid"
+    resolution: Literal["exact"] | Sampling = "exact"
+
+
+class FuzzySystem(msgspec.Struct, frozen=True):
+    """A Mamdani system. Valid ones come from :func:`fuzzy.validation.validate` or from a file."""
+
+    name: str
+    inputs: tuple[Input, ...]
+    outputs: tuple[Output, ...]
+    rules: RuleBase = RuleBase()
+    inference: Inference = Inference()
+    notes: str = ""
