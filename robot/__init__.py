@@ -1,0 +1,1 @@
+"""A planar continuum arm: dynamics, controllers, disturbances and closed-loop simulation, in SI units."""

@@ -1,0 +1,373 @@
+"""Dynamics of the planar chain of N modules, by recursions over its links.
+
+Link k (counted from 0 here, from 1 in the literature) is the line from mass k-1 to mass k; its direction makes the
+angle phi_k with n3. Rod k sits on mass k and is turned by psi_k = phi_(k+1), so that every absolute angle belongs to
+one rod. Joint angles theta_k = psi_k - psi_(k-1) are used outside, absolute angles inside: there the masses couple
+only through the links' directions, and each recursion of Featherstone's book shrinks to scalars. Vectors have the
+components (n1, n3); n3 points along gravity.
+
+Letters:
+    q, dq, ddq   (2N,) [s_0 .. s_(N-1), theta_0 .. theta_(N-1)] in m and rad, and derivatives
+    Q            (2N,) generalized forces, N on every s and N m on every theta
+    D, C, G, K   mass matrix, Coriolis matrix, gravity and spring forces, dG/dq
+    d_k, n_k     (sin phi, cos phi) and (cos phi, -sin phi): unit vectors along and across link k
+    w_k          d(phi_k)/dt; the speed of link k's end against its start is ds d + s w n
+
+The equations are Lagrange's, derived from the kinetic and potential energies (1)-(6) as corrected in docs/errata.md.
+
+References:
+    R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008: recursive Newton-Euler (ch. 5), composite bodies
+    (ch. 6), articulated bodies (ch. 7).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy.kernels.jit import kernel
+
+Array = NDArray[np.float64]
+
+
+class Parameters(NamedTuple):
+    """An arm as kernels read it: read-only arrays, row 0 of a pair is actuator 1."""
+
+    mass: Array
+    """(N,) kg, on the rods."""
+    inertia: Array
+    """(N,) kg m², of the rods."""
+    half_rod: Array
+    """(N,) m, lever of the actuators, l/2."""
+    rest_length: Array
+    """(N,) m, of the springs."""
+    stiffness: Array
+    """(2, N) N/m."""
+    damping: Array
+    """(2, N) N s/m."""
+    gravity: float
+    """m/s²."""
+
+
+class Workspace(NamedTuple):
+    """Intermediate results of the recursions, one entry a link, all (N,)."""
+
+    sine: Array
+    """sin phi, written by ``directions``."""
+    cosine: Array
+    """cos phi, written by ``directions``."""
+    along: Array
+    """Articulated inertia d·A d; in ``rigid_body_force``, acceleration of the mass along n1."""
+    across: Array
+    """Articulated inertia d·A n; in ``rigid_body_force``, acceleration of the mass along n3."""
+    effective: Array
+    """Inertia that the link's end shows across the link while it is free to slide."""
+    remaining: Array
+    """Force across the link that is left when the link slides freely."""
+    bias: Array
+    """Force along the link at zero acceleration."""
+
+
+@kernel
+def new_workspace(n: int) -> Workspace:
+    """Return a workspace for ``n`` modules; allocate it once a run."""
+    return Workspace(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
+
+
+@kernel
+def directions(q: Array, work: Workspace) -> None:
+    """Write sin and cos of every link's absolute angle; the first link always hangs along n3."""
+    n = q.size // 2
+    angle = 0.0
+    work.sine[0] = 0.0
+    work.cosine[0] = 1.0
+    for k in range(1, n):
+        angle += q[n + k - 1]
+        work.sine[k] = math.sin(angle)
+        work.cosine[k] = math.cos(angle)
+
+
+@kernel
+def rigid_body_force(
+    arm: Parameters, q: Array, dq: Array, ddq: Array, gravity: float, work: Workspace, Q: Array
+) -> None:
+    """Write Q = D ddq + C dq + gravity: what the masses and rods take, without springs and dampers.
+
+    Recursive Newton-Euler: accelerations from the base to the tip, forces back. Needs ``directions(q, work)``.
+
+    Args:
+        arm: Parameters.
+        q: (2N,) position.
+        dq: (2N,) velocity.
+        ddq: (2N,) acceleration.
+        gravity: m/s²; 0 leaves gravity out.
+        work: ``sine`` and ``cosine`` in, others overwritten.
+        Q: (2N,) out.
+    """
+    n = arm.mass.size
+    a1 = 0.0
+    a3 = 0.0
+    w = 0.0
+    dw = 0.0
+    for k in range(n):
+        sine = work.sine[k]
+        cosine = work.cosine[k]
+        radial = ddq[k] - q[k] * w * w
+        lateral = q[k] * dw + 2.0 * dq[k] * w
+        a1 += radial * sine + lateral * cosine
+        a3 += radial * cosine - lateral * sine
+        work.along[k] = a1
+        work.across[k] = a3
+        w += dq[n + k]
+        dw += ddq[n + k]
+        Q[n + k] = arm.inertia[k] * dw
+    f1 = 0.0
+    f3 = 0.0
+    for k in range(n - 1, -1, -1):
+        sine = work.sine[k]
+        cosine = work.cosine[k]
+        f1 += arm.mass[k] * work.along[k]
+        f3 += arm.mass[k] * (work.across[k] - gravity)
+        Q[k] = f1 * sine + f3 * cosine
+        if k > 0:
+            # The moment of link k about its start acts on the rod it starts from, and on every joint before it.
+            Q[n + k - 1] += q[k] * (f1 * cosine - f3 * sine) + Q[n + k]
+
+
+@kernel
+def add_passive_force(arm: Parameters, q: Array, dq: Array, sign: float, Q: Array) -> None:
+    """Add ``sign`` times what springs and dampers oppose at (q, dq) to Q (2N,), actuator by actuator; (5), (6)."""
+    n = arm.mass.size
+    for k in range(n):
+        lever = arm.half_rod[k]
+        stretch = q[k] - arm.rest_length[k]
+        first = arm.stiffness[0, k] * (stretch + lever * q[n + k]) + arm.damping[0, k] * (dq[k] + lever * dq[n + k])
+        second = arm.stiffness[1, k] * (stretch - lever * q[n + k]) + arm.damping[1, k] * (dq[k] - lever * dq[n + k])
+        Q[k] += sign * (first + second)
+        Q[n + k] += sign * lever * (first - second)
+
+
+@kernel
+def inverse_dynamics(arm: Parameters, q: Array, dq: Array, ddq: Array, work: Workspace, Q: Array) -> None:
+    """Write Q = D ddq + C dq + B dq + G, the force that moves the arm so. Needs ``directions(q, work)``."""
+    rigid_body_force(arm, q, dq, ddq, arm.gravity, work, Q)
+    add_passive_force(arm, q, dq, 1.0, Q)
+
+
+@kernel
+def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array, work: Workspace, ddq: Array) -> None:
+    """Write the acceleration that solves D ddq + C dq + B dq + G = Q + forces of the loads.
+
+    Articulated bodies: from the tip to the base every link hands on the force that its tail opposes to an
+    acceleration a of the link's start, f = (m + beta n nᵀ) a + c. Because the link slides freely along d, only the
+    direction n across it carries inertia, so that a link costs two divisions and no matrix is factorised.
+    Needs ``directions(q, work)``.
+
+    Args:
+        arm: Parameters.
+        q: (2N,) position.
+        dq: (2N,) velocity.
+        Q: (2N,) generalized forces; overwritten by the forces less springs and dampers.
+        load: (N, 2) external forces on the masses along n1 and n3, N.
+        work: ``sine`` and ``cosine`` in, others overwritten.
+        ddq: (2N,) out.
+    """
+    n = arm.mass.size
+    add_passive_force(arm, q, dq, -1.0, Q)
+    # c: force at zero acceleration of mass k; beta: the tail's inertia across the next link.
+    w = 0.0
+    for k in range(n - 1):
+        w += dq[n + k]
+    beta = 0.0
+    c1 = 0.0
+    c3 = 0.0
+    next_sine = 0.0
+    next_cosine = 1.0
+    for k in range(n - 1, -1, -1):
+        mass = arm.mass[k]
+        sine = work.sine[k]
+        cosine = work.cosine[k]
+        c1 -= load[k, 0]
+        c3 -= mass * arm.gravity + load[k, 1]
+        d_n = sine * next_cosine - cosine * next_sine
+        n_n = cosine * next_cosine + sine * next_sine
+        along = mass + beta * d_n * d_n
+        across = beta * d_n * n_n
+        bias = c1 * sine + c3 * cosine
+        work.along[k] = along
+        work.across[k] = across
+        work.bias[k] = bias
+        if k == 0:
+            break
+        effective = mass * (mass + beta) / along
+        remaining = c1 * cosine - c3 * sine + across / along * (Q[k] - bias)
+        work.effective[k] = effective
+        work.remaining[k] = remaining
+        s = q[k]
+        rod = arm.inertia[k - 1]
+        # Absolute angles: the force on psi_(k-1) is what the joint before rod k-1 gives less what the next one takes.
+        torque = Q[n + k - 1] - Q[n + k]
+        share = 1.0 / (rod + effective * s * s)
+        beta = rod * effective * share
+        lateral = beta * 2.0 * dq[k] * w + (rod * remaining + effective * s * torque) * share
+        c1 = Q[k] * sine + lateral * cosine
+        c3 = Q[k] * cosine - lateral * sine
+        next_sine = sine
+        next_cosine = cosine
+        w -= dq[n + k - 1]
+    ddq[0] = (Q[0] - work.bias[0]) / work.along[0]
+    a1 = ddq[0] * work.sine[0]
+    a3 = ddq[0] * work.cosine[0]
+    w = 0.0
+    previous = 0.0
+    for k in range(1, n):
+        sine = work.sine[k]
+        cosine = work.cosine[k]
+        s = q[k]
+        w += dq[n + k - 1]
+        lateral = a1 * cosine - a3 * sine + 2.0 * dq[k] * w
+        radial = a1 * sine + a3 * cosine - s * w * w
+        effective = work.effective[k]
+        torque = Q[n + k - 1] - Q[n + k] - s * (work.remaining[k] + effective * lateral)
+        turn = torque / (arm.inertia[k - 1] + effective * s * s)
+        lateral += s * turn
+        slide = (Q[k] - work.bias[k] - work.across[k] * lateral) / work.along[k]
+        ddq[k] = slide - radial
+        ddq[n + k - 1] = turn - previous
+        previous = turn
+        a1 = slide * sine + lateral * cosine
+        a3 = slide * cosine - lateral * sine
+    ddq[2 * n - 1] = Q[2 * n - 1] / arm.inertia[n - 1] - previous
+
+
+@kernel
+def joint_angles(n: int, matrix: Array) -> None:
+    """Turn a (2N, 2N) matrix over (s, phi) in place into one over (s, theta).
+
+    phi_k is the sum of theta_0 .. theta_(k-1): column theta_j collects the columns phi_k with k > j, and so do rows.
+    """
+    size = 2 * n
+    for row in range(size):
+        total = 0.0
+        for j in range(n - 1, -1, -1):
+            column = matrix[row, n + j]
+            matrix[row, n + j] = total
+            total += column
+    for column in range(size):
+        total = 0.0
+        for j in range(n - 1, -1, -1):
+            row_value = matrix[n + j, column]
+            matrix[n + j, column] = total
+            total += row_value
+
+
+@kernel
+def mass_matrix(arm: Parameters, q: Array, work: Workspace, D: Array) -> None:
+    """Write the mass matrix D (2N, 2N), symmetric and positive definite. Needs ``directions(q, work)``.
+
+    Composite bodies: links i and k both carry the masses from max(i, k) on.
+    """
+    n = arm.mass.size
+    carried = 0.0
+    for k in range(n - 1, -1, -1):
+        carried += arm.mass[k]
+        for i in range(k + 1):
+            cosine = work.cosine[k] * work.cosine[i] + work.sine[k] * work.sine[i]
+            sine = work.sine[k] * work.cosine[i] - work.cosine[k] * work.sine[i]
+            D[k, i] = carried * cosine
+            D[i, k] = D[k, i]
+            D[k, n + i] = carried * q[i] * sine
+            D[n + i, k] = D[k, n + i]
+            D[i, n + k] = -carried * q[k] * sine
+            D[n + k, i] = D[i, n + k]
+            D[n + k, n + i] = carried * q[k] * q[i] * cosine
+            D[n + i, n + k] = D[n + k, n + i]
+    joint_angles(n, D)
+    rods = 0.0
+    for j in range(n - 1, -1, -1):
+        rods += arm.inertia[j]
+        for i in range(j):
+            D[n + i, n + j] += rods
+            D[n + j, n + i] += rods
+        D[n + j, n + j] += rods
+
+
+@kernel
+def coriolis_matrix(arm: Parameters, q: Array, dq: Array, work: Workspace, C: Array) -> None:
+    """Write C (2N, 2N) = sum of m_i J_iᵀ dJ_i/dt, which is Christoffel's. Needs ``directions(q, work)``.
+
+    The masses move in a plane without curvature, so that d²p/dq_j dq_k · dp/dq_i are the Christoffel symbols of the
+    first kind; hence dD/dt - 2 C is skew.
+    """
+    n = arm.mass.size
+    carried = np.empty(n)
+    w = np.empty(n)
+    total = 0.0
+    for k in range(n - 1, -1, -1):
+        total += arm.mass[k]
+        carried[k] = total
+    rate = 0.0
+    for k in range(n):
+        w[k] = rate
+        rate += dq[n + k]
+    for k in range(n):
+        for i in range(n):
+            both = carried[max(i, k)]
+            cosine = work.cosine[k] * work.cosine[i] + work.sine[k] * work.sine[i]
+            sine = work.sine[k] * work.cosine[i] - work.cosine[k] * work.sine[i]
+            C[k, i] = both * w[i] * sine
+            C[k, n + i] = both * (dq[i] * sine - q[i] * w[i] * cosine)
+            C[n + k, i] = both * q[k] * w[i] * cosine
+            C[n + k, n + i] = both * q[k] * (dq[i] * cosine + q[i] * w[i] * sine)
+    joint_angles(n, C)
+
+
+@kernel
+def stiffness_matrix(arm: Parameters, q: Array, work: Workspace, K: Array) -> None:
+    """Write K (2N, 2N) = dG/dq, the Hessian of the potential energy. Needs ``directions(q, work)``."""
+    n = arm.mass.size
+    K[:, :] = 0.0
+    weight = 0.0
+    for k in range(n - 1, -1, -1):
+        weight += arm.mass[k] * arm.gravity
+        K[k, n + k] = weight * work.sine[k]
+        K[n + k, k] = K[k, n + k]
+        K[n + k, n + k] = weight * q[k] * work.cosine[k]
+    joint_angles(n, K)
+    for k in range(n):
+        lever = arm.half_rod[k]
+        both = arm.stiffness[0, k] + arm.stiffness[1, k]
+        difference = arm.stiffness[0, k] - arm.stiffness[1, k]
+        K[k, k] += both
+        K[k, n + k] += lever * difference
+        K[n + k, k] += lever * difference
+        K[n + k, n + k] += lever * lever * both
+
+
+@kernel
+def energy(arm: Parameters, q: Array, dq: Array, work: Workspace) -> tuple[float, float]:
+    """Return the kinetic and the potential energy, J (4, 5 corrected). Needs ``directions(q, work)``."""
+    n = arm.mass.size
+    kinetic = 0.0
+    potential = 0.0
+    v1 = 0.0
+    v3 = 0.0
+    depth = 0.0
+    w = 0.0
+    for k in range(n):
+        sine = work.sine[k]
+        cosine = work.cosine[k]
+        v1 += dq[k] * sine + q[k] * w * cosine
+        v3 += dq[k] * cosine - q[k] * w * sine
+        depth += q[k] * cosine
+        w += dq[n + k]
+        kinetic += 0.5 * (arm.mass[k] * (v1 * v1 + v3 * v3) + arm.inertia[k] * w * w)
+        stretch = q[k] - arm.rest_length[k]
+        first = stretch + arm.half_rod[k] * q[n + k]
+        second = stretch - arm.half_rod[k] * q[n + k]
+        potential += 0.5 * (arm.stiffness[0, k] * first * first + arm.stiffness[1, k] * second * second)
+        potential -= arm.mass[k] * arm.gravity * depth
+    return kinetic, potential
