@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
+import numpy as np
 
 from fuzzy import rules, shapes
 from fuzzy.errors import InvalidSystemError, expected
@@ -55,9 +56,12 @@ def validate(system: FuzzySystem) -> FuzzySystem:
     system = _typed(system)
     _check_name(system.name, "name", "the system's name")
     _check_text(system.notes, "notes", MAX_NOTES)
-    _check_count(system.inputs, "inputs", MAX_VARIABLES)
-    _check_count(system.outputs, "outputs", MAX_VARIABLES)
-    _check_unique([variable.name for variable in (*system.inputs, *system.outputs)], "variables")
+    _check_count(system.inputs, "inputs", "inputs", MAX_VARIABLES)
+    _check_count(system.outputs, "outputs", "outputs", MAX_VARIABLES)
+    _check_unique(
+        [(entry.name, f"inputs.{entry.name}") for entry in system.inputs]
+        + [(entry.name, f"outputs.{entry.name}") for entry in system.outputs]
+    )
     for entry in system.inputs:
         _check_variable(entry, f"inputs.{entry.name}")
     for entry in system.outputs:
@@ -88,17 +92,24 @@ def _typed(system: FuzzySystem) -> FuzzySystem:
     if not isinstance(system, FuzzySystem):
         raise InvalidSystemError(f"expected a FuzzySystem, found {type(system).__name__}")
     try:
-        return msgspec.convert(msgspec.to_builtins(system), FuzzySystem)
+        return msgspec.convert(msgspec.to_builtins(system, enc_hook=_plain), FuzzySystem)
     except msgspec.ValidationError as error:
         message, _, place = str(error).partition(" - at `$")
         raise InvalidSystemError(message, place.strip("`.")) from None
     except (RecursionError, TypeError, ValueError, OverflowError) as error:
-        raise InvalidSystemError(f"the document holds what no schema type is: {error}") from None
+        raise InvalidSystemError(f"the document holds what the schema does not: {error}") from None
 
 
-def _check_count(entries: Sequence[object], path: str, most: int) -> None:
+def _plain(value: object) -> object:
+    """Return NumPy's scalars as Python's, which the schema knows."""
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__}")
+
+
+def _check_count(entries: Sequence[object], what: str, path: str, most: int) -> None:
     if not 1 <= len(entries) <= most:
-        raise InvalidSystemError(f"{len(entries)} {path.rpartition('.')[2]}: valid are 1 to {most}", path)
+        raise InvalidSystemError(f"{len(entries)} {what}: valid are 1 to {most}", path)
 
 
 def _check_name(name: str, path: str, what: str) -> None:
@@ -120,9 +131,10 @@ def _check_text(text: str, path: str, most: int) -> None:
         raise InvalidSystemError(f"holds the character {wrong!r}, which cannot be printed", path)
 
 
-def _check_unique(names: Iterable[str], path: str) -> None:
+def _check_unique(names: Iterable[tuple[str, str]]) -> None:
+    """Refuse a name that is used twice, at the path of its second use."""
     seen: set[str] = set()
-    for name in names:
+    for name, path in names:
         if name in seen:
             raise InvalidSystemError(f"the name '{name}' is used twice", path)
         seen.add(name)
@@ -138,8 +150,8 @@ def _check_variable(variable: Variable, path: str) -> None:
         raise InvalidSystemError(f"[{low!r}, {high!r}] is too narrow to compute with", f"{path}.range")
     if len(variable.unit) > MAX_NAME or not variable.unit.isprintable():
         raise InvalidSystemError(f"expected at most {MAX_NAME} printable characters", f"{path}.unit")
-    _check_count(variable.terms, f"{path}.terms", MAX_TERMS)
-    _check_unique([term.name for term in variable.terms], f"{path}.terms")
+    _check_count(variable.terms, "terms", f"{path}.terms", MAX_TERMS)
+    _check_unique([(term.name, f"{path}.terms.{term.name}") for term in variable.terms])
     for term in variable.terms:
         place = f"{path}.terms.{term.name}"
         _check_name(term.name, place, "a term's name")
@@ -212,7 +224,7 @@ def _check_rule(rule: Rule, inputs: Mapping[str, list[str]], outputs: Mapping[st
     if len(found) > rules.MAX_PROPOSITIONS:
         message = f"{len(found)} propositions in the antecedent: at most {rules.MAX_PROPOSITIONS}"
         raise InvalidSystemError(message, path)
-    _check_count(rule.consequents, path, rules.MAX_PROPOSITIONS)
+    _check_count(rule.consequents, "consequents", path, rules.MAX_PROPOSITIONS)
     for proposition in found:
         _check_proposition(proposition, inputs, "input", path)
     for consequent in rule.consequents:

@@ -54,12 +54,21 @@ def read(text: str, source: str) -> FuzzySystem:
         FormatError: With line, column and path of the first mistake, what was found and what is valid.
     """
     root = yaml_tree.parse(text, source)
-    system = _system(root)
+    found = _sections(root)
+    # The variables are checked before the rules, which can then say what their names may be.
+    system = _located(_variables(found), root)
+    if "rules" not in found:
+        return system
+    return _located(msgspec.structs.replace(system, rules=_rules(found["rules"], system)), root)
+
+
+def _located(system: FuzzySystem, root: Node) -> FuzzySystem:
+    """Return the system if it is valid, or raise the error at its place in the file."""
     try:
         return validate(system)
     except InvalidSystemError as error:
         line, column = nearest(yaml_tree.positions(root), error.path)
-        raise FormatError(error.message, source, line, column, error.path) from None
+        raise FormatError(error.message, root.source, line, column, error.path) from None
 
 
 def positions(text: str, source: str) -> dict[str, tuple[int, int]]:
@@ -74,21 +83,22 @@ def nearest(places: dict[str, tuple[int, int]], path: str) -> tuple[int, int]:
     return places.get(path, (1, 1))
 
 
-def _system(root: Node) -> FuzzySystem:
+def _sections(root: Node) -> dict[str, Node]:
     _check_schema(root)
-    found = values.fields(root, ("schema", "name", "inputs", "outputs"), ("notes", "rules", "inference"))
-    system = FuzzySystem(
+    return values.fields(root, ("schema", "name", "inputs", "outputs"), ("notes", "rules", "inference"))
+
+
+def _variables(found: dict[str, Node]) -> FuzzySystem:
+    """Return the system without its rules."""
+    inputs = values.entries(found["inputs"], "inputs by name")
+    outputs = values.entries(found["outputs"], "outputs by name")
+    return FuzzySystem(
         name=values.text(found["name"], "a name"),
-        inputs=tuple(_input(name, node) for name, node in values.entries(found["inputs"], "inputs by name").items()),
-        outputs=tuple(
-            _output(name, node) for name, node in values.entries(found["outputs"], "outputs by name").items()
-        ),
+        inputs=tuple(_input(name, node) for name, node in inputs.items()),
+        outputs=tuple(_output(name, node) for name, node in outputs.items()),
         inference=_inference(found["inference"]) if "inference" in found else Inference(),
         notes=values.text(found["notes"]) if "notes" in found else "",
     )
-    if "rules" not in found:
-        return system
-    return msgspec.structs.replace(system, rules=_rules(found["rules"], system))
 
 
 def _check_schema(root: Node) -> None:

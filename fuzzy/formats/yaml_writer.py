@@ -61,7 +61,8 @@ def scalar(text: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    return "'" + text.replace("'", "''") + "'" if '"' in text else f'"{text}"'
+    """Return a rule in the quotes that need no escapes for it where there are such."""
+    return "'" + text.replace("'", "''") + "'" if '"' in text or "\\" in text else f'"{text}"'
 
 
 def _notes(notes: str) -> Iterator[str]:
