@@ -20,6 +20,7 @@ import os
 import re
 import socket
 import threading
+import time
 import urllib.parse
 from collections.abc import Callable, Iterator
 from http.cookies import CookieError, SimpleCookie
@@ -140,6 +141,25 @@ def _host_name(address: str) -> str:
     """Return an address or name as the Host header writes it."""
     bare = address.strip("[]").lower()
     return f"[{bare}]" if ":" in bare else bare
+
+
+def address(host: str, port: int, token: str | None) -> str:
+    """Return the address to open in a browser; for all interfaces it is the one with this machine's name."""
+    is_everywhere = host.strip("[]") in ("", "0.0.0.0", "::")
+    name = socket.gethostname().lower() if is_everywhere else _host_name(host)
+    return f"http://{name}:{port}" + (f"/?token={token}" if token else "")
+
+
+def wait_until_served(host: str, port: int) -> None:
+    """Return when a server on ``host`` and ``port`` answers requests, as :func:`start_server`'s do once guarded."""
+    reached = {"": "127.0.0.1", "0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)
+    while True:
+        connection = http.client.HTTPConnection(reached, port, timeout=5)
+        with contextlib.closing(connection), contextlib.suppress(OSError, http.client.HTTPException):
+            connection.request("GET", "/")
+            if connection.getresponse().status != http.HTTPStatus.SERVICE_UNAVAILABLE:
+                return
+        time.sleep(0.05)
 
 
 def check_token(token: str) -> str:

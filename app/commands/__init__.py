@@ -1,0 +1,1 @@
+"""The command line: one module a subcommand, each with one function whose arguments are the command's."""

@@ -1,0 +1,303 @@
+"""The command line: results, exit codes, and a sentence instead of a traceback for whatever a user can do wrong."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+import socket
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from app.__main__ import COMMANDS, main
+from fuzzy.formats import load
+from fuzzy.inference import compile_system
+
+ROOT = Path(__file__).parents[2]
+DIAGONAL = ROOT / "rulebases" / "diagonal.yaml"
+
+
+def run(capsys: pytest.CaptureFixture[str], *words: str | Path) -> tuple[int, str, str]:
+    """Return exit code, standard output and standard error of one command."""
+    try:
+        code = main([str(word) for word in words])
+    except SystemExit as end:  # tyro ends the process on wrong use and after --help
+        code = int(end.code or 0)
+    said = capsys.readouterr()
+    return code, said.out, said.err
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Path:
+    path = tmp_path / "in.csv"
+    path.write_text("e,de\n0.2,-1\n-0.5,3\n0,0\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
+def test_every_command_explains_itself(capsys: pytest.CaptureFixture[str], command: str) -> None:
+    code, out, err = run(capsys, *command.split(), "--help")
+    assert code == 0
+    assert out.startswith("usage: fuzzy-workbench")
+    assert "None" not in out
+    assert err == ""
+
+
+def test_help_is_quick_because_it_loads_no_kernels() -> None:
+    script = (
+        "import sys, app.__main__; print([m for m in ('numba', 'numpy', 'viser', 'matplotlib') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+def test_an_unknown_command_is_wrong_use(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "chek", "x")
+    assert code == 2
+    assert "serve, check, infer, explain" in out + err
+
+
+def test_infer_computes_every_row(capsys: pytest.CaptureFixture[str], table: Path) -> None:
+    output = table.with_name("out.csv")
+    assert run(capsys, "infer", DIAGONAL, "--inputs", table, "--output", output) == (0, "", "")
+    controller = compile_system(load(DIAGONAL))
+    with output.open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    assert header == ["T"]
+    assert [float(row[0]) for row in rows] == [controller(0.2, -1), controller(-0.5, 3), controller(0, 0)]
+    assert sorted(entry.name for entry in output.parent.iterdir()) == ["in.csv", "out.csv"]
+    assert stat.S_IMODE(output.stat().st_mode) == stat.S_IMODE(table.stat().st_mode)
+
+
+def test_infer_takes_columns_in_any_order_and_skips_empty_lines(
+    capsys: pytest.CaptureFixture[str], table: Path
+) -> None:
+    swapped = table.with_name("swapped.csv")
+    swapped.write_text('\ufeff"de", e\r\n-1,0.2\r\n\r\n3,-0.5\r\n0,0\r\n,\r\n', encoding="utf-8")
+    for source in (table, swapped):
+        assert run(capsys, "infer", DIAGONAL, "--inputs", source, "--output", f"{source}.out")[0] == 0
+    assert Path(f"{table}.out").read_bytes() == Path(f"{swapped}.out").read_bytes()
+
+
+def test_infer_samples_as_it_is_told(capsys: pytest.CaptureFixture[str], table: Path) -> None:
+    found = {}
+    for resolution in ("exact", "50", "100000"):
+        output = table.with_name(f"{resolution}.csv")
+        words = ("infer", DIAGONAL, "--inputs", table, "--output", output, "--resolution", resolution)
+        assert run(capsys, *words) == (0, "", "")
+        found[resolution] = np.loadtxt(output, skiprows=1)
+    np.testing.assert_allclose(found["100000"], found["exact"], atol=1e-4)
+    assert np.abs(found["50"] - found["exact"]).max() > 1e-4
+
+
+def test_infer_writes_nan_where_nothing_fires(capsys: pytest.CaptureFixture[str], table: Path) -> None:
+    rulebase = table.with_name("gap.yaml")
+    rulebase.write_text(
+        "schema: fuzzy-workbench/1\nname: gap\n"
+        "inputs: {e: {range: [-1, 1], terms: {P: {triangle: [0, 0.5, 1]}}}}\n"
+        "outputs: {T: {range: [-1, 1], no_fire: nan, terms: {P: {triangle: [0, 0.5, 1]}}}}\n"
+        "rules: {list: [if e is P then T is P]}\n",
+        encoding="utf-8",
+    )
+    table.write_text("e\n-0.5\n0.5\n", encoding="utf-8")
+    assert run(capsys, "infer", rulebase, "--inputs", table, "--output", table.with_name("o.csv")) == (0, "", "")
+    lines = table.with_name("o.csv").read_text(encoding="utf-8").splitlines()
+    assert lines[:2] == ["T", "nan"]
+    assert float(lines[2]) == 0.5
+
+
+def test_infer_leaves_an_existing_output_alone_when_it_fails(capsys: pytest.CaptureFixture[str], table: Path) -> None:
+    output = table.with_name("out.csv")
+    output.write_text("precious", encoding="utf-8")
+    table.write_text("e,de\n0,0\n0,x\n", encoding="utf-8")
+    assert run(capsys, "infer", DIAGONAL, "--inputs", table, "--output", output)[0] == 1
+    assert output.read_text(encoding="utf-8") == "precious"
+
+
+@pytest.mark.parametrize(
+    ("content", "place", "sentence"),
+    [
+        ("", "0:0", "the file is empty; the first line names the inputs: e,de"),
+        ("e\n1\n", "1:1", "the header does not name 'de'; valid: e,de"),
+        ("e,dee\n", "1:3", "the header names 'dee'; did you mean 'de'? valid: e, de"),
+        ("e,de,e\n", "1:6", "the header names 'e' twice"),
+        ("0.1,0.2\n", "1:1", "the header names '0.1'; valid: e, de"),
+        ("e,de\n0,0\n0\n", "3:1", "1 fields; valid: 2 (e, de)"),
+        ("e,de\n0,0,0\n", "2:1", "3 fields; valid: 2 (e, de)"),
+        ("e,de\n\n0.25,abc\n", "3:6", "field 2 is 'abc'; valid is a finite number"),
+        ("e,de\n0,nan\n", "2:3", "field 2 is 'nan'; valid is a finite number"),
+        ("e,de\n-inf,0\n", "2:1", "field 1 is '-inf'; valid is a finite number"),
+        ("e,de\n1e999,0\n", "2:1", "field 1 is '1e999'; valid is a finite number"),
+        ("e,de\n1_0,0\n", "2:1", "field 1 is '1_0'; valid is a finite number"),
+        ("e,de\n,0\n", "2:1", "field 1 is ''; valid is a finite number"),
+        ('e,de\n"0,0\n', "2:1", "unexpected end of data"),
+        ("e;de\n0;0\n", "1:1", "the header names 'e;de'; did you mean 'de'? valid: e, de"),
+    ],
+)
+def test_infer_names_line_and_column_of_a_bad_table(
+    capsys: pytest.CaptureFixture[str], table: Path, content: str, place: str, sentence: str
+) -> None:
+    table.write_text(content, encoding="utf-8")
+    code, out, err = run(capsys, "infer", DIAGONAL, "--inputs", table, "--output", table.with_name("out.csv"))
+    assert (code, out, err) == (1, "", f"{table}:{place}: error: {sentence}\n")
+    assert not table.with_name("out.csv").exists()
+
+
+def test_infer_refuses_bytes_that_are_no_text(capsys: pytest.CaptureFixture[str], table: Path) -> None:
+    table.write_bytes(b"e,de\n\xff,0\n")
+    code, _, err = run(capsys, "infer", DIAGONAL, "--inputs", table, "--output", table.with_name("out.csv"))
+    assert (code, err) == (1, f"{table}:0:0: error: byte 0xff is not UTF-8 text\n")
+
+
+def test_infer_names_the_row_that_a_range_rejects(capsys: pytest.CaptureFixture[str], table: Path) -> None:
+    strict = table.with_name("strict.yaml")
+    text = DIAGONAL.read_text(encoding="utf-8")
+    strict.write_text(text.replace("range: [-1, 1]", "range: [-1, 1]\n    out_of_range: reject", 1), encoding="utf-8")
+    table.write_text("de,e\n0,1\n\n9,1.5\n", encoding="utf-8")
+    code, _, err = run(capsys, "infer", strict, "--inputs", table, "--output", table.with_name("out.csv"))
+    assert (code, err) == (1, f"{table}:4:1: error: e is 1.5; valid: -1 to 1\n")
+
+
+@pytest.mark.parametrize(("output", "reason"), [("", "folder"), ("no/out.csv", "No such file"), ("a\0b", "null")])
+def test_an_output_that_cannot_be_written_is_named(
+    capsys: pytest.CaptureFixture[str], table: Path, output: str, reason: str
+) -> None:
+    place = table.parent / output
+    code, _, err = run(capsys, "infer", DIAGONAL, "--inputs", table, "--output", place)
+    assert code == 1
+    assert err.startswith(f"{place}:0:0: error: ")
+    assert reason in err
+
+
+def test_a_device_is_written_directly(capsys: pytest.CaptureFixture[str], table: Path) -> None:
+    assert run(capsys, "infer", DIAGONAL, "--inputs", table, "--output", os.devnull) == (0, "", "")
+    assert stat.S_ISCHR(Path(os.devnull).stat().st_mode)
+
+
+@pytest.mark.parametrize("resolution", ["1", "0", "-5", "1e3", "exakt", "100001", "9" * 5000, "٣٣"])
+def test_infer_refuses_a_resolution_that_is_none(
+    capsys: pytest.CaptureFixture[str], table: Path, resolution: str
+) -> None:
+    words = ("infer", DIAGONAL, "--inputs", table, "--output", table.with_name("o"), "--resolution", resolution)
+    code, _, err = run(capsys, *words)
+    assert code == 2
+    assert err.endswith("valid: exact, or a number of points from 2 to 100000\n")
+
+
+def test_explain_shows_what_fires(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = run(capsys, "explain", DIAGONAL, "de=-1", "e=0.2")
+    assert code == 0
+    lines = out.splitlines()
+    trace = compile_system(load(DIAGONAL)).explain(0.2, -1)
+    assert lines[0].startswith("e = 0.2: ")
+    assert lines[2] == f"{len(trace.rules)} of 49 rules fire:"
+    assert len(lines) == 4 + len(trace.rules)
+    assert lines[-1].startswith(f"T = {trace.outputs['T'].value:.17g}: ")
+
+
+def test_explain_says_when_an_input_is_clamped(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "e = 5 (outside its range, taken as the nearer end): " in run(capsys, "explain", DIAGONAL, "e=5", "de=0")[1]
+
+
+def test_explain_reports_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = run(capsys, "explain", DIAGONAL, "e=0.2", "de=-1", "--json")
+    assert code == 0
+    report = msgspec.json.decode(out)
+    assert report["inputs"] == {"e": 0.2, "de": -1}
+    assert report["outputs"]["T"]["value"] == compile_system(load(DIAGONAL))(0.2, -1)
+    assert math.isclose(max(report["outputs"]["T"]["heights"].values()), report["rules"][0]["strength"])
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["e=0.2"], "no value for de; valid: e=VALUE de=VALUE"),
+        (["e=0.2", "de"], "'de' is not of the form NAME=VALUE; valid: e=VALUE de=VALUE"),
+        (["e=0.2", "dde=1"], "no input is called 'dde'; did you mean 'de'? valid: e, de"),
+        (["e=0.2", "e=0.3"], "the input 'e' is given twice"),
+        (["e=nan", "de=1"], "e is 'nan'; valid is a finite number"),
+        (["e=x", "de=1"], "e is 'x'; valid is a finite number"),
+    ],
+)
+def test_explain_refuses_inputs_that_are_none(
+    capsys: pytest.CaptureFixture[str], words: list[str], sentence: str
+) -> None:
+    assert run(capsys, "explain", DIAGONAL, *words) == (2, "", f"fuzzy-workbench: error: {sentence}\n")
+
+
+@pytest.mark.parametrize("command", ["serve", "infer", "explain"])
+@pytest.mark.parametrize(
+    ("name", "content", "place", "words"),
+    [
+        ("none.yaml", None, "0:0", "No such file"),
+        ("rules.toml", "x", "0:0", "valid: .yaml, .yml"),
+        ("broken.yaml", "schema: fuzzy-workbench/1\nname: [", "", ""),
+        ("other.yaml", "schema: fuzzy-workbench/2\nname: x\n", "1:9", "fuzzy-workbench/1"),
+        ("empty.yaml", "", "1:1", "fuzzy-workbench/1"),
+    ],
+)
+def test_a_bad_rulebase_is_an_error_with_its_place(
+    capsys: pytest.CaptureFixture[str],
+    table: Path,
+    command: str,
+    name: str,
+    content: str | None,
+    place: str,
+    words: str,
+) -> None:
+    file = table.with_name(name)
+    if content is not None:
+        file.write_text(content, encoding="utf-8")
+    further = {"serve": [], "infer": ["--inputs", table, "--output", "x.csv"], "explain": ["e=1", "de=1"]}[command]
+    code, out, err = run(capsys, command, file, *further)
+    assert (code, out) == (1, "")
+    assert err.startswith(f"{file}:{place}")
+    assert ": error: " in err
+    assert words in err
+    assert err.count("\n") == 1
+
+
+def test_without_a_command_the_workbench_is_served(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(capsys, "none.yaml") == run(capsys, "serve", "none.yaml")
+    assert run(capsys, "--port", "0") == run(capsys, "serve", "--port", "0")
+
+
+@pytest.mark.parametrize("port", ["0", "-1", "65536"])
+def test_a_port_that_is_none_is_wrong_use(capsys: pytest.CaptureFixture[str], port: str) -> None:
+    assert run(capsys, "serve", "--port", port) == (
+        2,
+        "",
+        f"fuzzy-workbench: error: port {port}; valid are 1 to 65535\n",
+    )
+
+
+def test_a_busy_port_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as busy:
+        port = busy.getsockname()[1]
+        sentence = f"fuzzy-workbench: error: port {port} on 127.0.0.1 is busy; choose another with --port\n"
+        assert run(capsys, "serve", "--port", str(port)) == (1, "", sentence)
+
+
+def test_an_address_that_is_not_this_machines_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = run(capsys, "serve", "--host", "192.0.2.1")
+    assert code == 1
+    assert err.startswith("fuzzy-workbench: error: cannot listen on 192.0.2.1:8080: ")
+
+
+def test_a_short_token_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = run(capsys, "serve", "--token", "secret")
+    assert code == 2
+    assert "16 to 128" in err
+    assert "secret" not in err
+
+
+def test_a_reader_that_stops_early_is_no_error() -> None:
+    script = f"{sys.executable} -m app explain {DIAGONAL} e=0.2 de=-1 | head -n 0; exit ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", script], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.stderr == ""
