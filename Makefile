@@ -6,7 +6,7 @@ SHELL := /bin/sh
 
 VENV := .venv
 BIN := $(VENV)/bin
-PIP := $(BIN)/python -m pip --disable-pip-version-check --no-input --quiet
+PIP := $(BIN)/python -m pip --disable-pip-version-check --no-input -qq
 RULEBASE := rulebases/diagonal.yaml
 # Pyright runs as installed: it neither looks for a newer release nor downloads Node.js (its package brings both).
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1

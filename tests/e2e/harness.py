@@ -1,0 +1,123 @@
+"""A workbench in a process of its own, and what to wait for in its page."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import socket
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from playwright.sync_api import Page
+
+ROOT = Path(__file__).parents[2]
+LOAD_TIMEOUT_MS = 60_000
+"""The first frame: software rendering compiles its shaders for up to 15 s, and kernels may compile beside it."""
+
+FLAGS = (
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-accelerated-2d-canvas",  # without it, uPlot draws 2 frames a second instead of 57
+)
+
+HIDE_SOFTWARE_RENDERER = """
+for (const context of [WebGLRenderingContext, WebGL2RenderingContext]) {
+  const real = context.prototype.getExtension;
+  context.prototype.getExtension = function (name) {
+    return name === "WEBGL_debug_renderer_info" ? null : real.call(this, name);
+  };
+}
+"""
+"""Keeps viser's notice about software rendering out of the pictures."""
+
+
+class Workbench(NamedTuple):
+    """A running workbench.
+
+    Attributes:
+        url: Address of its page.
+        folder: The folder of its rule bases, a copy of the shipped one.
+        process: Its process.
+        log: What it printed, both streams.
+    """
+
+    url: str
+    folder: Path
+    process: subprocess.Popen[bytes]
+    log: Path
+
+
+def free_port() -> int:
+    """Return a port of 127.0.0.1 that nobody listens on."""
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        return probe.getsockname()[1]
+
+
+@contextlib.contextmanager
+def running_workbench(folder: Path, *options: str) -> Iterator[Workbench]:
+    """Start the workbench on ``folder``/diagonal.yaml, wait until its page is served, and end it at the end."""
+    port = free_port()
+    log = folder.parent / f"workbench-{port}.log"
+    command = [sys.executable, "-m", "app", "serve", str(folder / "diagonal.yaml"), "--port", str(port), *options]
+    with log.open("wb") as output:
+        process = subprocess.Popen(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT)
+    workbench = Workbench(f"http://127.0.0.1:{port}", folder, process, log)
+    try:
+        _wait_until_served(workbench)
+        yield workbench
+    finally:
+        _end(process)
+
+
+def _wait_until_served(workbench: Workbench) -> None:
+    for _ in range(600):
+        if workbench.process.poll() is not None:
+            break
+        try:
+            with urllib.request.urlopen(workbench.url, timeout=5):
+                return
+        except urllib.error.HTTPError as error:
+            if error.code == 403:  # it wants a token, so it is there
+                return
+        except OSError:
+            pass
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            workbench.process.wait(timeout=0.1)
+    pytest.fail(f"the workbench did not start:\n{workbench.log.read_text(errors='replace')}")
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    if process.poll() is None:
+        process.send_signal(signal.SIGTERM)
+        try:
+            process.wait(timeout=10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def wait_until_ready(page: Page) -> None:
+    """Wait until the scene is drawn and the panels hold something."""
+    page.wait_for_selector("canvas", timeout=LOAD_TIMEOUT_MS)
+    page.wait_for_selector("[role=tab], button, input", timeout=LOAD_TIMEOUT_MS)
+    settle(page)
+
+
+def settle(page: Page, frames: int = 3) -> None:
+    """Wait until the page has painted ``frames`` times more, so that what was sent before is on the screen."""
+    page.evaluate(
+        """frames => new Promise(done => {
+            const tick = () => (frames-- > 0 ? requestAnimationFrame(tick) : done());
+            tick();
+        })""",
+        frames,
+    )
