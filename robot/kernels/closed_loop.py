@@ -1,0 +1,177 @@
+"""The closed loop: controller, actuators and arm, many control steps in one call, without allocating in a step."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from fuzzy.kernels.jit import kernel
+from robot.controllers.base import Law
+from robot.kernels import control, dynamics, integration
+from robot.kernels.control import ReferenceArrays, Signals
+from robot.kernels.dynamics import Array, Parameters
+
+RUNNING = -1
+FUZZY_OUTPUT = 0
+FORCE = 1
+POSITION = 2
+VELOCITY = 3
+"""What a run is stopped by: which signal is not finite, or has run away."""
+
+
+class Loop(NamedTuple):
+    """Everything that does not change while the loop runs."""
+
+    plant: Parameters
+    model: Parameters
+    law: Law
+    reference: ReferenceArrays
+    reading: int
+    lower: float
+    """Least actuator force, N; may be -inf."""
+    upper: float
+    """Greatest actuator force, N; may be inf."""
+    step: float
+    """Control step, s."""
+    substeps: int
+    """Runge-Kutta steps in a control step."""
+    hold: int
+    """Control steps for which a disturbance sample holds."""
+    reach: Array
+    """(2N,) m and rad; a coordinate whose size exceeds it has run away."""
+    load: Array
+    """(N, 2) forces on the masses along n1 and n3, N."""
+
+
+class State(NamedTuple):
+    """Everything that changes, (2N,) each."""
+
+    q: Array
+    dq: Array
+    integral: Array
+    """∫e dt of the controller."""
+    output: Array
+    """Last outputs of the fuzzy blocks."""
+    activity: Array
+    """(2N, n_rules) largest firing strength of every rule so far."""
+
+
+class Log(NamedTuple):
+    """A ring of the last control steps; step number k is in row k modulo the number of rows."""
+
+    q: Array
+    """(rows, 2N) position."""
+    dq: Array
+    """(rows, 2N) velocity."""
+    reference: Array
+    """(rows, 2N) qd."""
+    dreference: Array
+    """(rows, 2N) d(qd)/dt."""
+    forces: Array
+    """(rows, 2N) actuator forces, after the limits."""
+    control: Array
+    """(rows, 2N) generalized force the controller asks for."""
+    disturbance: Array
+    """(rows, 2N) generalized force of the disturbance."""
+    inputs: Array
+    """(rows, 2N, 2) inputs of the fuzzy blocks; 0 without any."""
+    output: Array
+    """(rows, 2N) outputs T of the fuzzy blocks; 0 without any."""
+
+
+@kernel
+def run(
+    loop: Loop, address: int, first: int, count: int, noise: Array, first_sample: int, state: State, log: Log
+) -> tuple[int, int, int]:
+    """Advance the loop by up to ``count`` control steps.
+
+    Row k holds what the controller saw at t = k · step and what it did, which then holds until the next row. A run
+    that is stopped keeps its last finite state; the row in which a force or a fuzzy output is not finite is not kept.
+
+    Args:
+        loop: Plant, controller, reference and limits.
+        address: Of the compiled fuzzy system and its workspace; 0 for laws without one.
+        first: Number of the first step.
+        count: Number of steps.
+        noise: (samples, 2N) disturbance, N and N m.
+        first_sample: Number of the first row of ``noise`` among all samples.
+        state: In and out.
+        log: In and out.
+
+    Returns:
+        How many rows were written, and by which signal and which coordinate the run was stopped (RUNNING, 0).
+    """
+    size = state.q.size
+    work = dynamics.new_workspace(size // 2)
+    stages = integration.new_stages(size)
+    signals = control.new_signals(size)
+    q = np.empty(size)
+    dq = np.empty(size)
+    rows = log.q.shape[0]
+    for k in range(first, first + count):
+        control.follow(loop.reference, k * loop.step, signals)
+        dynamics.directions(state.q, work)
+        control.control(
+            loop.law,
+            loop.model,
+            address,
+            state.q,
+            state.dq,
+            state.integral,
+            state.output,
+            state.activity,
+            work,
+            signals,
+        )
+        for i in range(size):
+            if not math.isfinite(state.output[i]):
+                return k - first, FUZZY_OUTPUT, i
+        for i in range(size):
+            if not math.isfinite(signals.Q[i]):
+                return k - first, FORCE, i
+        control.actuate(loop.model, loop.reading, loop.lower, loop.upper, state.q, work, signals)
+        disturbance = noise[k // loop.hold - first_sample]
+        _write(k % rows, state, signals, disturbance, log)
+        control.integrate_error(loop.law, loop.step, signals, state.integral)
+        for i in range(size):
+            q[i] = state.q[i]
+            dq[i] = state.dq[i]
+        integration.advance(
+            loop.plant,
+            loop.reading,
+            q,
+            dq,
+            signals.tau,
+            disturbance,
+            loop.load,
+            loop.step,
+            loop.substeps,
+            work,
+            stages,
+        )
+        for i in range(size):
+            if not abs(q[i]) <= loop.reach[i]:
+                return k - first + 1, POSITION, i
+            if not math.isfinite(dq[i]):
+                return k - first + 1, VELOCITY, i
+        for i in range(size):
+            state.q[i] = q[i]
+            state.dq[i] = dq[i]
+    return count, RUNNING, 0
+
+
+@kernel
+def _write(row: int, state: State, signals: Signals, disturbance: Array, log: Log) -> None:
+    for i in range(state.q.size):
+        log.q[row, i] = state.q[i]
+        log.dq[row, i] = state.dq[i]
+        log.reference[row, i] = signals.reference[i]
+        log.dreference[row, i] = signals.dreference[i]
+        log.forces[row, i] = signals.tau[i]
+        log.control[row, i] = signals.Q[i]
+        log.disturbance[row, i] = disturbance[i]
+        log.inputs[row, i, 0] = signals.x[i, 0]
+        log.inputs[row, i, 1] = signals.x[i, 1]
+        log.output[row, i] = state.output[i]

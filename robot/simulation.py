@@ -1,0 +1,355 @@
+"""The closed loop from Python: a whole scenario at once, or live, step by step; both give the same numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robot import dynamics
+from robot.arm import Arm, parameters, read_only
+from robot.controllers import ControlLaw, FuzzyFlc, Pid
+from robot.errors import InvalidControllerError, RobotError
+from robot.kernels import closed_loop
+from robot.kernels import control as codes
+from robot.metrics import Metrics, measure
+from robot.scenario import STEP, Scenario, Sinus, Step
+
+Array = NDArray[np.float64]
+
+REACH = 100.0
+"""A module longer than so many rest lengths, or bent by so many radians, has run away."""
+
+_SIGNALS: tuple[Literal["fuzzy output", "control force", "position", "velocity"], ...] = (
+    "fuzzy output",
+    "control force",
+    "position",
+    "velocity",
+)
+_NEVER = 1 << 62
+
+
+class Stop(NamedTuple):
+    """Why a run ended early.
+
+    Attributes:
+        time: When, s: the last time with a finite state.
+        signal: What was not finite, or, for a position, out of all reach.
+        coordinate: Of which coordinate, such as ``theta2``.
+    """
+
+    time: float
+    signal: Literal["fuzzy output", "control force", "position", "velocity"]
+    coordinate: str
+
+    def __str__(self) -> str:
+        """Return one sentence for people."""
+        return f"stopped at t = {self.time:.3f} s: the {self.signal} of {self.coordinate} is not finite or ran away"
+
+
+class Run(NamedTuple):
+    """What happened, one row a control step: what the controller saw at t and what it did until the next row.
+
+    Attributes:
+        arm: The arm the controller knows; ``scenario.plant(arm)`` is the one that moved.
+        controller: The control law at the end of the run.
+        scenario: The experiment.
+        start: (2N,) q0, the plant's equilibrium unless another start was given; references count from there.
+        t: (n,) s.
+        q: (n, 2N) position, m and rad.
+        dq: (n, 2N) velocity.
+        reference: (n, 2N) qd.
+        dreference: (n, 2N) its rate.
+        forces: (n, 2N) actuator forces F11, F21, F12, ... within their limits, N.
+        control: (n, 2N) generalized force Q that the controller asked for, N and N m.
+        disturbance: (n, 2N) generalized force of the disturbance, N and N m.
+        inputs: (n, 2N, 2) inputs (GE e, GC ė) of the fuzzy blocks before clamping; 0 for laws without fuzzy blocks.
+        output: (n, 2N) their outputs T; 0 for laws without.
+        activity: (2N, n_rules) largest firing strength of each rule in the run; (2N, 0) for laws without.
+        stopped: None, or why the run ended before its time.
+    """
+
+    arm: Arm
+    controller: ControlLaw
+    scenario: Scenario
+    start: Array
+    t: Array
+    q: Array
+    dq: Array
+    reference: Array
+    dreference: Array
+    forces: Array
+    control: Array
+    disturbance: Array
+    inputs: Array
+    output: Array
+    activity: Array
+    stopped: Stop | None
+
+    def metrics(self) -> Metrics:
+        """Return the figures of merit; see :class:`robot.metrics.Metrics`."""
+        amplitude = self.scenario.amplitude(self.arm.n_modules)
+        return measure(
+            self.t,
+            self.q,
+            self.reference,
+            self.forces,
+            self.start,
+            amplitude,
+            self.scenario.scale(self.arm.n_modules),
+            constant=isinstance(self.scenario.reference, Step),
+            force_limits=self.scenario.force_limits,
+        )
+
+
+class Sample(NamedTuple):
+    """One row of a run; shapes as in :class:`Run` without the first dimension."""
+
+    t: float
+    q: Array
+    dq: Array
+    reference: Array
+    forces: Array
+    control: Array
+    inputs: Array
+    output: Array
+
+
+class Simulation:
+    """A closed loop that is advanced step by step, for as long as one likes.
+
+    Only one thread at a time may call it; ``advance`` releases the interpreter lock. Memory does not grow.
+
+    Attributes:
+        arm: The arm the controller knows.
+        scenario: The experiment; its duration does not end a live simulation.
+        start: (2N,) q0.
+        stopped: None, or why the simulation cannot go on.
+        load: (N, 2) forces in N on the masses along n1 and n3; may be written between two advances.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        controller: ControlLaw,
+        scenario: Scenario,
+        *,
+        history: float = 20.0,
+        q: ArrayLike | None = None,
+        dq: ArrayLike | None = None,
+    ) -> None:
+        """Start a simulation at t = 0.
+
+        Args:
+            arm: The arm the controller knows; the scenario's mismatch makes the plant of it.
+            controller: The control law.
+            scenario: The experiment.
+            history: How much of the past is kept, s.
+            q: (2N,) start; the plant's equilibrium by default.
+            dq: (2N,) velocity at the start; 0 by default.
+
+        Raises:
+            RobotError: Parts that do not fit each other, or an arm that cannot be at rest.
+        """
+        if not (math.isfinite(history) and STEP <= history <= 3600.0):
+            raise RobotError(f"found {history!r}; valid: {STEP:g} to 3600 s", "history")
+        self.arm = arm
+        self.scenario = scenario
+        self.stopped: Stop | None = None
+        self._plant = scenario.plant(arm)
+        self._size = 2 * arm.n_modules
+        self.start = dynamics.equilibrium(self._plant) if q is None else _vector(q, self._size, "q")
+        self.load = np.zeros((arm.n_modules, 2))
+        self._tick = 0
+        self._rows = 0
+        self._state = closed_loop.State(
+            q=self.start.copy(),
+            dq=np.zeros(self._size) if dq is None else _vector(dq, self._size, "dq"),
+            integral=np.zeros(self._size),
+            output=np.zeros(self._size),
+            activity=np.zeros((self._size, 0)),
+        )
+        self._log = _new_log(round(history / STEP), self._size)
+        self._start_disturbance()
+        self.use(controller)
+
+    def _start_disturbance(self) -> None:
+        scenario = self.scenario
+        self._first_sample = 0
+        if scenario.disturbance is None:
+            self._hold = _NEVER
+            self._samples = iter(())
+            self._noise = np.zeros((1, self._size))
+            return
+        target = self.start + scenario.amplitude(self.arm.n_modules)
+        self._hold = max(1, round(scenario.disturbance.hold_time / STEP))
+        self._samples = scenario.disturbance.samples(dynamics.gravity_vector(self._plant, target))
+        self._noise = next(self._samples)
+
+    def use(self, controller: ControlLaw) -> None:
+        """Change the control law between two steps; the arm, the integral and the past stay as they are.
+
+        Raises:
+            InvalidControllerError: A law for another number of modules.
+        """
+        law = controller.law()
+        if law.Kp.shape[1] != self._size:
+            found = f"found gains for {law.Kp.shape[1]} coordinates; valid: {self._size}"
+            raise InvalidControllerError(found, "controller")
+        scenario = self.scenario
+        self.controller = controller
+        self._directory = None
+        n_rules = 0
+        if isinstance(controller, FuzzyFlc):
+            self._directory = controller.directory()
+            n_rules = self._directory.workspace.strength.size
+            if not isinstance(getattr(self, "_loop", None), closed_loop.Loop) or not self._loop.law.fuzzy:
+                self._state.output[:] = self._directory.workspace.output[0]
+        else:
+            self._state.output[:] = 0.0
+        if self._state.activity.shape[1] != n_rules:
+            self._state = self._state._replace(activity=np.zeros((self._size, n_rules)))
+        lower, upper = scenario.force_limits or (-math.inf, math.inf)
+        self._loop = closed_loop.Loop(
+            plant=parameters(self._plant),
+            model=parameters(self.arm if isinstance(controller, Pid) else controller.model),
+            law=law,
+            reference=self._reference(),
+            reading=dynamics.READINGS[scenario.reading],
+            lower=lower,
+            upper=upper,
+            step=STEP,
+            substeps=dynamics.substeps(self._plant, STEP),
+            hold=self._hold,
+            reach=read_only(np.repeat([REACH * max(parameters(self._plant).rest_length), REACH], self._size // 2)),
+            load=self.load,
+        )
+
+    def _reference(self) -> codes.ReferenceArrays:
+        amplitude = read_only(self.scenario.amplitude(self.arm.n_modules))
+        match self.scenario.reference:
+            case Step():
+                return codes.ReferenceArrays(codes.STEP, read_only(self.start), amplitude, 0.0)
+            case Sinus(frequency=frequency):
+                return codes.ReferenceArrays(codes.SINUS, read_only(self.start), amplitude, 2 * math.pi * frequency)
+
+    @property
+    def tick(self) -> int:
+        """Number of control steps so far."""
+        return self._tick
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self._tick * STEP
+
+    @property
+    def q(self) -> Array:
+        """(2N,) present position, a copy."""
+        return self._state.q.copy()
+
+    @property
+    def dq(self) -> Array:
+        """(2N,) present velocity, a copy."""
+        return self._state.dq.copy()
+
+    def advance(self, n_ticks: int) -> int:
+        """Advance by ``n_ticks`` control steps, fewer if the run is stopped.
+
+        Returns:
+            How many control steps were made.
+        """
+        if n_ticks < 0:
+            raise RobotError(f"found {n_ticks}; valid: 0 or more", "n_ticks")
+        begin = self._tick
+        end = begin + n_ticks
+        while self._tick < end and self.stopped is None:
+            known = (self._first_sample + len(self._noise)) * self._hold
+            if self._tick >= known:
+                self._first_sample += len(self._noise)
+                self._noise = next(self._samples)
+                continue
+            rows, signal, coordinate = closed_loop.run(
+                self._loop,
+                0 if self._directory is None else self._directory.address,
+                self._tick,
+                min(end, known) - self._tick,
+                self._noise,
+                self._first_sample,
+                self._state,
+                self._log,
+            )
+            self._tick += rows
+            if signal != closed_loop.RUNNING:
+                name = self.arm.coordinates[coordinate]
+                self.stopped = Stop((self._tick - 1) * STEP if rows else self.time, _SIGNALS[signal], name)
+        return self._tick - begin
+
+    def sample(self) -> Sample | None:
+        """Return the last row, or None before the first step."""
+        if self._tick == 0:
+            return None
+        log, row = self._log, (self._tick - 1) % len(self._log.q)
+        return Sample(
+            (self._tick - 1) * STEP,
+            log.q[row].copy(),
+            log.dq[row].copy(),
+            log.reference[row].copy(),
+            log.forces[row].copy(),
+            log.control[row].copy(),
+            log.inputs[row].copy(),
+            log.output[row].copy(),
+        )
+
+    def run(self, last: float | None = None) -> Run:
+        """Return the kept past, or only the ``last`` seconds of it, in a copy."""
+        capacity = len(self._log.q)
+        count = min(self._tick, capacity)
+        if last is not None:
+            count = max(0, min(count, round(last / STEP)))
+        ticks = np.arange(self._tick - count, self._tick)
+        log = closed_loop.Log(*(array[ticks % capacity] for array in self._log))
+        return Run(
+            arm=self.arm,
+            controller=self.controller,
+            scenario=self.scenario,
+            start=self.start.copy(),
+            t=np.asarray(ticks * STEP, dtype=np.float64),
+            activity=self._state.activity.copy(),
+            stopped=self.stopped,
+            **log._asdict(),
+        )
+
+
+def simulate(arm: Arm, controller: ControlLaw, scenario: Scenario) -> Run:
+    """Run a scenario from its start to its end.
+
+    Args:
+        arm: The arm the controller knows; the scenario's mismatch makes the plant of it.
+        controller: The control law, such as :func:`robot.controllers.default` returns.
+        scenario: The experiment.
+
+    Returns:
+        ``scenario.n_steps + 1`` rows, t = 0 and t = duration included; fewer if the run was stopped.
+
+    Raises:
+        RobotError: Parts that do not fit each other, or an arm that cannot be at rest.
+    """
+    rows = scenario.n_steps + 1
+    simulation = Simulation(arm, controller, scenario, history=rows * STEP)
+    simulation.advance(rows)
+    return simulation.run()
+
+
+def _new_log(rows: int, size: int) -> closed_loop.Log:
+    shapes = {"inputs": (rows, size, 2)}
+    return closed_loop.Log(**{name: np.zeros(shapes.get(name, (rows, size))) for name in closed_loop.Log._fields})
+
+
+def _vector(values: ArrayLike, size: int, name: str) -> Array:
+    vector = np.array(values, dtype=np.float64, order="C")
+    if vector.shape != (size,) or not np.isfinite(vector).all():
+        raise RobotError(f"found {vector.tolist()}; valid: {size} finite numbers, s before theta", name)
+    return vector
