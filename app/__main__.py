@@ -13,9 +13,10 @@ from app.commands.explain import explain
 from app.commands.failure import CommandError, UsageError, describe
 from app.commands.infer import infer
 from app.commands.serve import serve
+from app.commands.simulate import simulate
 from fuzzy.errors import FuzzyError
 
-COMMANDS = {"serve": serve, "check": check, "infer": infer, "explain": explain}
+COMMANDS = {"serve": serve, "check": check, "infer": infer, "explain": explain, "simulate": simulate}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

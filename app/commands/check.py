@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from fuzzy.check import Finding
 
 
 def check(
@@ -19,7 +19,8 @@ def check(
 ) -> int:
     """Look for mistakes and weak spots in rule bases.
 
-    Prints one line file:line:column: error|warning: message for every finding. Exit code 1 when there are any.
+    Prints one line file:line:column: error|warning|hint: message for every finding. An error cannot be used, a warning
+    acts otherwise than it looks, a hint may well be meant. Exit code 1 when there are errors or warnings.
 
     Args:
         files: The rule bases.
@@ -29,41 +30,26 @@ def check(
         from app.commands.failure import UsageError
 
         raise UsageError("check needs at least one FILE")
-    findings = [finding for file in files for finding in _findings(file)]
+    findings = [(str(file), finding) for file in files for finding in _findings(file)]
     if json:
         import msgspec
 
-        print(msgspec.json.format(msgspec.json.encode({"files": len(files), "findings": findings})).decode())
+        listed = [{"file": file, **msgspec.to_builtins(finding)} for file, finding in findings]
+        print(msgspec.json.format(msgspec.json.encode({"files": len(files), "findings": listed})).decode())
     else:
-        for found in findings:
-            print("{file}:{line}:{column}: {severity}: {message}".format_map(found))
-    return 1 if findings else 0
+        for file, found in findings:
+            print(f"{file}:{found.line}:{found.column}: {found.level}: {found.message}")
+    return 1 if any(finding.level != "hint" for _, finding in findings) else 0
 
 
-def _findings(file: Path) -> Iterator[dict[str, str | int]]:
+def _findings(file: Path) -> list[Finding]:
+    from fuzzy.check import Finding, locate
     from fuzzy.check import check as examine
-
     from fuzzy.errors import FormatError
-    from fuzzy.formats import load, positions
-    from fuzzy.formats.yaml import nearest
+    from fuzzy.formats import load
 
     try:
-        system = load(file)
-        places = positions(file)
+        return locate(examine(load(file)), file)
     except FormatError as error:
         message = f"{error.path}: {error.message}" if error.path else error.message
-        yield _finding(file, (error.line or 1, error.column or 1), "error", message, error.path)
-        return
-    for found in examine(system):
-        yield _finding(file, nearest(places, found.path), found.severity, found.message, found.path)
-
-
-def _finding(file: Path, place: tuple[int, int], severity: str, message: str, path: str) -> dict[str, str | int]:
-    return {
-        "file": str(file),
-        "line": place[0],
-        "column": place[1],
-        "severity": severity,
-        "path": path,
-        "message": message,
-    }
+        return [Finding("error", message, error.path, line=error.line, column=error.column)]

@@ -10,14 +10,21 @@ import stat
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
 import pytest
 
+import robot.simulation
 from app.__main__ import COMMANDS, main
 from fuzzy.formats import load
 from fuzzy.inference import compile_system
+from robot import controllers
+from robot.arm import Arm
+from robot.disturbance import BandLimitedNoise
+from robot.scenario import Mismatch, Scenario
+from robot.simulation import Run
 
 ROOT = Path(__file__).parents[2]
 DIAGONAL = ROOT / "rulebases" / "diagonal.yaml"
@@ -60,7 +67,7 @@ def test_help_is_quick_because_it_loads_no_kernels() -> None:
 def test_an_unknown_command_is_wrong_use(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, "chek", "x")
     assert code == 2
-    assert "serve, check, infer, explain" in out + err
+    assert "serve, check, infer, explain, simulate" in out + err
 
 
 def test_infer_computes_every_row(capsys: pytest.CaptureFixture[str], table: Path) -> None:
@@ -301,3 +308,131 @@ def test_a_reader_that_stops_early_is_no_error() -> None:
     script = f"{sys.executable} -m app explain {DIAGONAL} e=0.2 de=-1 | head -n 0; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", script], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.stderr == ""
+
+
+def test_check_finds_nothing_in_the_shipped_rule_bases(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(capsys, "check", *sorted(DIAGONAL.parent.glob("*.yaml"))) == (0, "", "")
+
+
+def test_check_names_file_line_and_column(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    broken, doubtful = tmp_path / "broken.yaml", tmp_path / "doubtful.yaml"
+    text = DIAGONAL.read_text(encoding="utf-8")
+    line = next(number for number, content in enumerate(text.splitlines(), 1) if "range: [-1, 1]" in content)
+    broken.write_text(text.replace("range: [-1, 1]", "range: [-1, one]", 1), encoding="utf-8")
+    doubtful.write_text(text.replace("[LL, LL", "[~, LL", 1), encoding="utf-8")
+    assert doubtful.read_text(encoding="utf-8") != text
+    missing = tmp_path / "missing.yaml"
+    code, out, err = run(capsys, "check", broken, DIAGONAL, doubtful, missing)
+    assert (code, err) == (1, "")
+    lines = out.splitlines()
+    assert lines[0].startswith(f"{broken}:{line}:")
+    assert "'one'" in lines[0]
+    assert any(found.startswith(f"{doubtful}:") and ": warning: " in found for found in lines)
+    assert lines[-1] == f"{missing}:0:0: error: the file cannot be read: No such file or directory"
+    code, out, err = run(capsys, "check", broken, DIAGONAL, doubtful, missing, "--json")
+    report = msgspec.json.decode(out)
+    assert (code, err, report["files"], len(report["findings"])) == (1, "", 4, len(lines))
+    assert report["findings"][0]["file"] == str(broken)
+    assert report["findings"][0]["line"] == line
+
+
+def test_check_without_a_file_is_wrong_use(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(capsys, "check") == (2, "", "fuzzy-workbench: error: check needs at least one FILE\n")
+
+
+def test_simulate_prints_the_figures_of_merit(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "simulate", DIAGONAL)
+    assert (code, err) == (0, "")
+    run_ = simulated("fuzzy_flc", Scenario.preset("step"))
+    assert out.startswith("fuzzy_flc on the soft arm, step: 3 s simulated in ")
+    (rise,) = [line.split() for line in out.splitlines() if line.startswith("rise_time")]
+    assert rise[1:3] == ["s", f"{run_.metrics().rise_time['worst']:.4g}"]
+
+
+def simulated(law: str, scenario: Scenario) -> Run:
+    arm = Arm.preset("soft")
+    return robot.simulation.simulate(
+        arm, controllers.default(law, arm, scenario, compile_system(load(DIAGONAL))), scenario
+    )
+
+
+def test_simulate_reports_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("--controller", "pid", "--mismatch", "stiffness=+30%", "--mismatch", "mass=-10%", "--json")
+    code, out, err = run(capsys, "simulate", *words, "--disturbance", "force_noise", "--seed", "5")
+    assert (code, err) == (0, "")
+    report = msgspec.json.decode(out)
+    assert (report["controller"], report["scenario"], report["horizon_s"]) == ("pid", "step", 3)
+    assert report["wall_s"] > 0
+    scenario = msgspec.structs.replace(
+        Scenario.preset("step"),
+        mismatch=Mismatch(stiffness=1.3, mass=0.9),
+        disturbance=BandLimitedNoise(seed=5),
+    )
+    assert report["metrics"] == simulated("pid", scenario).metrics().to_dict()
+
+
+def test_simulate_leaves_a_scenario_undisturbed_when_told(capsys: pytest.CaptureFixture[str]) -> None:
+    figures = []
+    for words in (["step_noise", "--disturbance", "none"], ["step"], ["step_noise"]):
+        out = run(capsys, "simulate", "--controller", "pid", "--json", "--scenario", *words)[1]
+        figures.append(msgspec.json.decode(out)["metrics"])
+    assert figures[0] == figures[1] != figures[2]
+
+
+def test_simulate_writes_the_whole_run(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    for suffix in ("csv", "npz"):
+        words = ("--controller", "pd_flc", "--output", tmp_path / f"run.{suffix}", "--plot", tmp_path / "run.png")
+        assert run(capsys, "simulate", *words)[0] == 0
+    found = simulated("pd_flc", Scenario.preset("step"))
+    table = np.genfromtxt(tmp_path / "run.csv", delimiter=",", names=True)
+    np.testing.assert_array_equal(table["t"], found.t)
+    np.testing.assert_array_equal(table["q_theta3"], found.q[:, 5])
+    np.testing.assert_array_equal(table["F22"], found.forces[:, 3])
+    with np.load(tmp_path / "run.npz") as arrays:
+        np.testing.assert_array_equal(arrays["q"], found.q)
+        assert arrays["actuators"].tolist() == list(found.arm.actuators)
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["run.csv", "run.npz", "run.png"]
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "sentence"),
+    [
+        (["--controller", "pdi"], 1, "did you mean 'pid'? valid: pid, pd_flc, fuzzy_flc"),
+        (["--scenario", "x"], 1, "valid: step, step_noise, sinus"),
+        (["--arm", "sofd"], 1, "did you mean 'soft'? valid: soft, stiff"),
+        (["--disturbance", "x"], 1, "valid: none, force_noise"),
+        (["--mismatch", "stiffnes=+3%"], 2, "did you mean 'stiffness'? valid: mass, stiffness, damping"),
+        (["--mismatch", "mass=1.3"], 2, "valid is a percentage such as mass=+30%"),
+        (["--mismatch", "mass=nan%"], 2, "valid is a percentage such as mass=+30%"),
+        (["--mismatch", "mass=3%", "--mismatch", "mass=3%"], 2, "--mismatch gives 'mass' twice"),
+        (["--mismatch", "mass=-99%"], 1, "mismatch.mass: found 0.01; valid: 0.1 to 10"),
+        (["--seed", "-1"], 2, "--seed -1; valid is a whole number, 0 or more"),
+        (["--output", "run.txt"], 2, "valid are names that end in .csv or .npz"),
+        (["none.yaml"], 1, "none.yaml:0:0: error: the file cannot be read: No such file or directory"),
+        (["--controller", "pid", "--output", "/none/run.csv"], 1, "/none/run.csv:0:0: error: the file cannot be"),
+        (["--controller", "pid", "--plot", "run.xyz"], 1, "run.xyz:0:0: error: the file cannot be written"),
+    ],
+)
+def test_simulate_refuses_what_it_does_not_know(
+    capsys: pytest.CaptureFixture[str], words: list[str], code: int, sentence: str
+) -> None:
+    found, _, err = run(capsys, "simulate", *words)
+    assert found == code
+    assert sentence in err
+    assert err.count("\n") == 1
+
+
+def test_a_run_that_runs_away_fails_after_its_figures(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = robot.simulation.simulate
+
+    def run_away(*parts: Any) -> Run:
+        return real(*parts)._replace(stopped=robot.simulation.Stop(0.5, "position", "theta2"))
+
+    monkeypatch.setattr(robot.simulation, "simulate", run_away)
+    code, out, err = run(capsys, "simulate", "--controller", "pid")
+    assert code == 1
+    assert "overshoot" in out
+    assert err == f"fuzzy-workbench: error: {robot.simulation.Stop(0.5, 'position', 'theta2')}\n"

@@ -1,0 +1,230 @@
+"""``simulate``: one scenario, its figures of merit, and the run as a file or a picture."""
+
+from __future__ import annotations
+
+import re
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from app.commands.failure import UsageError, failure
+
+if TYPE_CHECKING:
+    from robot.arm import Arm
+    from robot.controllers import ControlLaw
+    from robot.metrics import Metrics
+    from robot.scenario import Mismatch, Scenario
+    from robot.simulation import Run
+
+MISMATCHES = ("mass", "stiffness", "damping")
+
+
+def simulate(
+    rulebase: tyro.conf.Positional[
+        Annotated[Path | None, tyro.conf.arg(metavar="[RULEBASE]", help_behavior_hint="")]
+    ] = None,
+    /,
+    *,
+    controller: Annotated[str, tyro.conf.arg(metavar="NAME")] = "fuzzy_flc",
+    scenario: Annotated[str, tyro.conf.arg(metavar="NAME")] = "step",
+    arm: Annotated[str, tyro.conf.arg(metavar="NAME")] = "soft",
+    mismatch: Annotated[
+        tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="NAME=+P%", help_behavior_hint="")
+    ] = (),
+    disturbance: Annotated[str | None, tyro.conf.arg(metavar="NAME", help_behavior_hint="")] = None,
+    seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0,
+    output: Annotated[Path | None, tyro.conf.arg(metavar="RUN.csv|.npz", help_behavior_hint="")] = None,
+    plot: Annotated[Path | None, tyro.conf.arg(metavar="RUN.png", help_behavior_hint="")] = None,
+    json: bool = False,
+) -> int:
+    """Simulate the arm under a controller and print the figures of merit.
+
+    Exit code 1 when the run had to be stopped because the arm ran away.
+
+    Args:
+        rulebase: The rule base of the fuzzy controllers. By default rulebases/diagonal.yaml.
+        controller: pid, pd_flc or fuzzy_flc.
+        scenario: step, step_noise or sinus.
+        arm: soft or stiff.
+        mismatch: How the real arm differs from the one the controller knows: stiffness=+30%, mass=-10% or damping=...;
+            may be given several times.
+        disturbance: none or force_noise; by default as the scenario says.
+        seed: Of the disturbance's random numbers.
+        output: Write the whole run, one row a millisecond.
+        plot: Draw positions, references and forces over time.
+        json: Print the figures as JSON; what is not defined becomes null.
+    """
+    if output is not None and output.suffix.lower() not in (".csv", ".npz"):
+        raise UsageError(f"--output {output}; valid are names that end in .csv or .npz")
+
+    if seed < 0:
+        raise UsageError(f"--seed {seed}; valid is a whole number, 0 or more")
+
+    from robot.errors import RobotError
+
+    try:
+        run, wall = _run(rulebase, controller, arm, _scenario(scenario, disturbance, seed, mismatch))
+    except RobotError as error:
+        raise failure(str(error)) from None
+    metrics = run.metrics()
+    if json:
+        import msgspec
+
+        report = {
+            "controller": controller,
+            "scenario": scenario,
+            "arm": arm,
+            "horizon_s": run.scenario.duration,
+            "wall_s": wall,
+            "stopped": str(run.stopped) if run.stopped else None,
+            "metrics": metrics.to_dict(),
+        }
+        print(msgspec.json.format(msgspec.json.encode(report)).decode())
+    else:
+        print(f"{controller} on the {arm} arm, {scenario}: {run.scenario.duration:g} s simulated in {wall:.4f} s")
+        _print(metrics)
+    if output is not None:
+        _write(run, output)
+    if plot is not None:
+        _draw(run, f"{controller}, {arm} arm, {scenario}", plot)
+    if run.stopped:
+        raise failure(str(run.stopped))
+    return 0
+
+
+def _scenario(name: str, disturbance: str | None, seed: int, mismatch: tuple[str, ...]) -> Scenario:
+    import msgspec
+
+    from app.experiment import DISTURBANCES
+    from fuzzy.errors import expected
+    from robot.scenario import Scenario
+
+    scenario = Scenario.preset(name)
+    chosen = scenario.disturbance
+    if disturbance is not None:
+        if disturbance not in DISTURBANCES:
+            raise failure(f"no disturbance is called {expected(disturbance, DISTURBANCES)}")
+        chosen = DISTURBANCES[disturbance]
+    if chosen is not None:
+        chosen = msgspec.structs.replace(chosen, seed=seed)
+    return msgspec.structs.replace(scenario, disturbance=chosen, mismatch=_mismatch(mismatch))
+
+
+def _mismatch(words: tuple[str, ...]) -> Mismatch:
+    """Return the factors that words like ``stiffness=+30%`` say."""
+    from fuzzy.errors import expected
+    from robot.scenario import Mismatch
+
+    factors: dict[str, float] = {}
+    for word in words:
+        name, _, text = word.partition("=")
+        if name not in MISMATCHES:
+            raise UsageError(f"--mismatch names {expected(name, MISMATCHES)}")
+        if name in factors:
+            raise UsageError(f"--mismatch gives '{name}' twice")
+        if not re.fullmatch(r"[+-]?\d{1,6}(\.\d{0,9})?%", text, re.ASCII):
+            raise UsageError(f"--mismatch {word[:40]}; valid is a percentage such as {name}=+30%")
+        factors[name] = 1 + float(text[:-1]) / 100
+    return Mismatch(**factors)
+
+
+def _run(rulebase: Path | None, controller: str, arm_name: str, scenario: Scenario) -> tuple[Run, float]:
+    """Return the run and how long it took, without the compilation of kernels."""
+    from robot.arm import Arm
+    from robot.simulation import Simulation, simulate
+
+    arm = Arm.preset(arm_name)
+    law = _law(rulebase, controller, arm, scenario)
+    Simulation(arm, law, scenario).advance(1)
+    begin = time.perf_counter()
+    run = simulate(arm, law, scenario)
+    return run, time.perf_counter() - begin
+
+
+def _law(rulebase: Path | None, name: str, arm: Arm, scenario: Scenario) -> ControlLaw:
+    from app.commands.serve import SHIPPED
+    from fuzzy.formats import load
+    from fuzzy.inference import compile_system
+    from robot import controllers
+
+    needs_rules = rulebase is not None or name.startswith("fuzzy")
+    compiled = compile_system(load(rulebase or SHIPPED)) if needs_rules else None
+    return controllers.default(name, arm, scenario, compiled)
+
+
+UNITS = {
+    "overshoot": "%",
+    "rise_time": "s",
+    "settling_time": "s",
+    "steady_state_error": "%",
+    "iae": "s",
+    "ise": "s",
+    "itae": "s²",
+    "rms_error": "%",
+    "effort": "N² s",
+    "peak_force": "N",
+    "saturation": "%",
+}
+"""Units of the figures of merit."""
+
+
+def _print(metrics: Metrics) -> None:
+    """Print one table for coordinates and one for actuators, the worst first."""
+    heading: list[str] = []
+    for name, values in metrics._asdict().items():
+        columns = ["worst", *(key for key in values if key != "worst")]
+        if columns != heading:
+            heading = columns
+            print(" " * 25 + "".join(f"{column:>11}" for column in columns))
+        print(f"{name:<19}{UNITS[name]:<6}" + "".join(f"{values[column]:11.4g}" for column in columns))
+
+
+def _write(run: Run, path: Path) -> None:
+    import numpy as np
+
+    from app.commands.files import output, write_columns
+
+    arrays = {"q": run.q, "dq": run.dq, "reference": run.reference, "control": run.control}
+    arrays |= {"disturbance": run.disturbance, "e": run.inputs[:, :, 0], "de": run.inputs[:, :, 1], "T": run.output}
+    if path.suffix.lower() == ".csv":
+        names = ["t", *(f"{kind}_{name}" for kind in arrays for name in run.arm.coordinates), *run.arm.actuators]
+        write_columns(path, names, np.hstack([run.t[:, np.newaxis], *arrays.values(), run.forces]))
+        return
+    with output(path) as temporary, temporary.open("wb") as file:
+        np.savez_compressed(
+            file,
+            t=run.t,
+            forces=run.forces,
+            activity=run.activity,
+            coordinates=np.array(run.arm.coordinates),
+            actuators=np.array(run.arm.actuators),
+            allow_pickle=False,
+            **arrays,
+        )
+
+
+def _draw(run: Run, title: str, path: Path) -> None:
+    from matplotlib.figure import Figure
+
+    from app.commands.files import output
+
+    figure = Figure(figsize=(9, 9), layout="constrained")
+    lengths, angles, forces = figure.subplots(3, 1, sharex=True)
+    n = run.arm.n_modules
+    for axes, first, unit in ((lengths, 0, "extension / m"), (angles, n, "bending / rad")):
+        for place in range(first, first + n):
+            (line,) = axes.plot(run.t, run.q[:, place], label=run.arm.coordinates[place])
+            axes.plot(run.t, run.reference[:, place], color=line.get_color(), linestyle="--", linewidth=1)
+        axes.set_ylabel(unit)
+    for place, name in enumerate(run.arm.actuators):
+        forces.plot(run.t, run.forces[:, place], label=name, linewidth=1)
+    forces.set_ylabel("actuator force / N")
+    forces.set_xlabel("time / s")
+    for axes in (lengths, angles, forces):
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small", frameon=False)
+        axes.grid(alpha=0.3)
+    lengths.set_title(f"{title} (references dashed)")
+    with output(path) as temporary:
+        figure.savefig(temporary, dpi=120)
