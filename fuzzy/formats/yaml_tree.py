@@ -18,8 +18,11 @@ from fuzzy.errors import FormatError
 MAX_LEVELS = 12
 """Greatest nesting of mappings and lists; the schema needs six."""
 
-MAX_NODES = 100_000
-"""Greatest number of values in a file; the greatest valid system needs some 30,000."""
+MAX_NODES = 50_000
+"""Greatest number of keys and values in a file; the greatest valid system needs some 25,000."""
+
+_MAX_KEY = 200
+"""Greatest length of a key, which stands in the paths of errors."""
 
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -235,6 +238,8 @@ class _Builder:
     def _key(self, mapping: Node, key: Node) -> Node:
         if not isinstance(key.value, str):
             raise key.error(f"a key is a text, found {describe(key)}")
+        if len(key.value) > _MAX_KEY:
+            raise key.error(f"a key of {len(key.value)} characters: at most {_MAX_KEY}")
         key.path = f"{mapping.path}.{key.value}" if mapping.path else key.value
         assert isinstance(mapping.value, dict)
         if key.value in mapping.value:

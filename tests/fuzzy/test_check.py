@@ -200,7 +200,7 @@ def test_gaps(variable, expected):
 
 
 @given(strategies.systems())
-@settings(max_examples=50)
+@settings(max_examples=40)
 def test_gaps_are_where_all_degrees_are_zero(system):
     for variable in system.inputs:
         x = np.linspace(variable.low, variable.high, 301)

@@ -182,7 +182,7 @@ def test_a_partition_needs_shapes_with_points():
 
 
 @given(_system_and_term(), st.floats(-50, 50), st.floats(0.1, 100))
-@settings(max_examples=50)
+@settings(max_examples=40)
 def test_scaling_a_range_keeps_every_degree(drawn, low, width):
     system, name, _ = drawn
     old = _variable(system, name)
@@ -215,7 +215,7 @@ def test_a_range_that_leaves_the_default_outside_is_refused():
 
 
 @given(_system_and_term())
-@settings(max_examples=50)
+@settings(max_examples=40)
 def test_renaming_keeps_the_meaning_and_is_undone(drawn):
     system, variable, term = drawn
     for renamed, back in (
@@ -272,7 +272,7 @@ def test_what_cannot_be_says_why(edit, message):
 
 
 @given(_system_and_term(), st.data())
-@settings(max_examples=50)
+@settings(max_examples=40)
 def test_removing_an_added_term_restores_the_system(drawn, data):
     system, name, _ = drawn
     found = _variable(system, name)
@@ -285,7 +285,7 @@ def test_removing_an_added_term_restores_the_system(drawn, data):
 
 
 @given(_system_and_term())
-@settings(max_examples=50)
+@settings(max_examples=40)
 def test_removing_a_term_removes_just_the_rules_that_need_it(drawn):
     system, name, term = drawn
     assume(len(_variable(system, name).terms) > 1)

@@ -62,6 +62,7 @@ def _deep(levels: int) -> Any:
 
 
 @given(strategies.systems(name=strategies.names))
+@settings(max_examples=60)
 def test_generated_systems_are_valid_and_come_back_equal(system):
     assert validate(system) == system
 
