@@ -10,11 +10,10 @@ import tyro
 
 from app.commands.check import check
 from app.commands.explain import explain
-from app.commands.failure import CommandError, UsageError, describe
+from app.commands.failure import UsageError, describe
 from app.commands.infer import infer
 from app.commands.serve import serve
 from app.commands.simulate import simulate
-from fuzzy.errors import FuzzyError
 
 COMMANDS = {"serve": serve, "check": check, "infer": infer, "explain": explain, "simulate": simulate}
 
@@ -45,11 +44,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Whoever read the output has had enough. The interpreter flushes once more at its end: into nothing.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    except (CommandError, FuzzyError, OSError) as error:
-        print(describe(error), file=sys.stderr)
-        return 1
     except KeyboardInterrupt:
         return 130
+    except Exception as error:
+        mistake = describe(error)
+        if mistake is None:
+            raise
+        print(mistake, file=sys.stderr)
+        return 1
     return code
 
 

@@ -114,6 +114,20 @@ def set_shape(system: FuzzySystem, variable: str, term: str, shape: Shape) -> Fu
     return _changed(system, found, terms=terms)
 
 
+def set_shape_kind(system: FuzzySystem, variable: str, term: str, kind: str) -> FuzzySystem:
+    """Give a term's set another shape that stands where the old one stood, as :func:`fuzzy.shapes.converted` says.
+
+    Args:
+        system: The system.
+        variable: Name of an input or output.
+        term: Name of its term.
+        kind: The schema's word for the shape, such as ``gaussian``.
+    """
+    found = _variable(system, variable)
+    shape = found.terms[_term_number(found, term)].shape
+    return set_shape(system, variable, term, shapes.converted(shape, kind))
+
+
 def move_point(
     system: FuzzySystem, variable: str, term: str, parameter: str, value: float, mode: MoveMode = "free"
 ) -> FuzzySystem:

@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzy.errors import InvalidSystemError
+from fuzzy.errors import InvalidSystemError, expected
 from fuzzy.kernels import membership
 
 
@@ -44,6 +44,9 @@ Shape = Triangle | Trapezoid | Gaussian
 
 SHAPES: tuple[type[Shape], ...] = (Triangle, Trapezoid, Gaussian)
 """All kinds of shapes, in the order in which they are offered."""
+
+_HALF_WIDTH = math.sqrt(2.0 * math.log(2.0))
+"""Distance from a Gaussian's mean to where its degree is 1/2, in sigmas."""
 
 PIECEWISE_LINEAR = (Triangle, Trapezoid)
 """Shapes whose centroids have a closed form."""
@@ -102,6 +105,43 @@ def break_points(shape: Shape) -> tuple[float, ...]:
             return (mean,)
         case _:
             return tuple(value for value in parameters(shape) if math.isfinite(value))
+
+
+def converted(shape: Shape, wanted: str) -> Shape:
+    """Return another kind of shape that is 1 in the same place and crosses 1/2 at the same points.
+
+    A side that is open stays open where the wanted kind can be; a Gaussian takes the width of its finite sides.
+
+    Args:
+        shape: A valid shape.
+        wanted: The schema's word for the wanted kind.
+
+    Raises:
+        InvalidSystemError: No such kind.
+    """
+    kinds = {kind(entry): entry for entry in SHAPES}
+    if wanted not in kinds:
+        raise InvalidSystemError(f"unknown shape {expected(wanted, kinds)}")
+    if wanted == kind(shape):
+        return shape
+    match shape:
+        case Triangle(a=a, b=b, c=c):
+            half_left, top_left, top_right, half_right = (a + b) / 2, b, b, (b + c) / 2
+        case Trapezoid(a=a, b=b, c=c, d=d):
+            half_left, top_left, top_right, half_right = (a + b) / 2, b, c, (c + d) / 2
+        case Gaussian(mean=mean, sigma=sigma):
+            half = _HALF_WIDTH * sigma
+            half_left, top_left, top_right, half_right = mean - half, mean, mean, mean + half
+    top = (top_left + top_right) / 2
+    if wanted == "gaussian":
+        halves = [width for width in (top - half_left, half_right - top) if math.isfinite(width) and width > 0]
+        return Gaussian(top, sum(halves) / len(halves) / _HALF_WIDTH if halves else 1.0)
+    if wanted == "triangle":
+        return Triangle(2 * half_left - top, top, 2 * half_right - top)
+    # A plateau that reaches half way from the top to the points of degree 1/2.
+    left = (half_left + top) / 2 if math.isfinite(half_left) else top
+    right = (half_right + top) / 2 if math.isfinite(half_right) else top
+    return Trapezoid(2 * half_left - left, left, right, 2 * half_right - right)
 
 
 def validate(shape: Shape, path: str = "") -> None:

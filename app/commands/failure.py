@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fuzzy.errors import FormatError
-
 
 class CommandError(Exception):
     """A command that cannot go on; the text is the whole line for standard error."""
@@ -24,12 +22,16 @@ def failure(message: str, file: Path | str | None = None, line: int = 0, column:
     return CommandError(f"{place}: error: {message}")
 
 
-def describe(error: Exception) -> str:
-    """Return the line for standard error that says what a user's mistake was."""
+def describe(error: Exception) -> str | None:
+    """Return the line for standard error that says what a user's mistake was; None for a mistake of the program."""
+    from fuzzy.errors import FormatError, FuzzyError
+
     match error:
         case CommandError() | FormatError():
             return str(error)
         case OSError(filename=str() as name, strerror=str() as reason):
             return f"{name}:0:0: error: {reason}"
-        case _:
+        case FuzzyError() | OSError():
             return f"fuzzy-workbench: error: {error}"
+        case _:
+            return None

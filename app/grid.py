@@ -1,0 +1,160 @@
+"""Clickable HTML for the rule table: labels that press hidden viser buttons.
+
+Viser's own buttons are too large for a table of 7 × 7, and its HTML element reports no clicks. A ``<label for=...>``
+presses a real button, wherever it stands; the buttons themselves are hidden visually only, so that Tab, Enter and
+Space still reach them. The table's HTML stays as it is while the arm moves; what glows is a separate style sheet,
+since an element that is replaced between press and release loses the click.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import viser
+
+from app.palette import GRID, MUTED, css, ink, term_color
+from app.widgets import FONT, escape
+
+GAP = 4
+"""Pixels between cells."""
+
+
+def element_id(handle: Any) -> str:
+    """Return the id of a handle's element in the page.
+
+    The one private name of viser's that the panels rely on; a browser test fails when it moves.
+    """
+    return handle._impl.uuid
+
+
+class HiddenButtons:
+    """Real viser buttons that labels elsewhere in the page press, reached by the keyboard too.
+
+    Args:
+        gui: Where they are added; in the present container.
+        labels: What screen readers say, one a button.
+        on_press: Called with the number of the button that was pressed, on the event loop.
+    """
+
+    def __init__(self, gui: viser.GuiApi, labels: Sequence[str], on_press: Callable[[int], None]) -> None:
+        self._folder = gui.add_folder(None)
+        with self._folder:
+            self._buttons = [gui.add_button(label) for label in labels]
+            ids = [element_id(button) for button in self._buttons]
+            selector = ",".join(f'[id="{name}"]' for name in ids)
+            hidden = "position:fixed;width:1px;height:1px;overflow:hidden;opacity:0;pointer-events:none"
+            gui.add_html(f"<style>div:has(> :is({selector})){{{hidden}}}</style>")
+        for number, button in enumerate(self._buttons):
+            button.on_click(_presser(on_press, number))
+        self.ids = ids
+
+    def remove(self) -> None:
+        """Take the buttons out of the page."""
+        self._folder.remove()
+
+
+def _presser(on_press: Callable[[int], None], number: int) -> Callable[[viser.GuiEvent[Any]], Any]:
+    async def press(_: viser.GuiEvent[Any]) -> None:
+        on_press(number)
+
+    return press
+
+
+def cell_style(index: int | None, count: int) -> str:
+    """Return the CSS of a cell with output term ``index`` of ``count``; None is a cell without a rule."""
+    if index is None:
+        return f"background:transparent;border:1px dashed {GRID};color:{MUTED}"
+    color = term_color(index, count)
+    return f"background:{css(color)};border:1px solid transparent;color:{ink(color)}"
+
+
+def brush_html(names: Sequence[str], ids: Sequence[str], chosen: int) -> str:
+    """Return the row of brushes: all output terms, then "none"."""
+    cells = []
+    count = len(names)
+    for number, (name, target) in enumerate(zip((*names, "none"), ids, strict=True)):
+        style = cell_style(number if number < count else None, count)
+        ring = "outline:2px solid #fff;outline-offset:1px" if number == chosen else ""
+        cells.append(
+            f'<label for="{target}" id="brush{number}" class="fw" style="{style};{ring}">{escape(name)}</label>'
+        )
+    return _grid(cells, f"repeat({count + 1},minmax(0,1fr))")
+
+
+def table_html(
+    rows: tuple[str, Sequence[str]],
+    columns: tuple[str, Sequence[str]],
+    cells: Sequence[Sequence[str | None]],
+    consequents: Sequence[str],
+    ids: Sequence[str],
+) -> str:
+    """Return the rule table.
+
+    Args:
+        rows: Name of the rows' variable and of its terms.
+        columns: Likewise for the columns.
+        cells: Consequent of each cell, None for no rule.
+        consequents: All output terms, in the order of their colours.
+        ids: Of the hidden buttons, row by row.
+    """
+    header = [f'<span class="fw-h">{escape(rows[0])} \\ {escape(columns[0])}</span>']
+    header += [f'<span class="fw-h">{escape(name)}</span>' for name in columns[1]]
+    body = list(header)
+    width = len(columns[1])
+    for i, row in enumerate(cells):
+        body.append(f'<span class="fw-h">{escape(rows[1][i])}</span>')
+        for j, name in enumerate(row):
+            index = None if name is None else consequents.index(name)
+            title = f"{rows[0]} is {rows[1][i]} and {columns[0]} is {columns[1][j]}"
+            body.append(
+                f'<label for="{ids[i * width + j]}" id="cell{i}-{j}" class="fw" title="{escape(title)}" '
+                f'style="{cell_style(index, len(consequents))}">{escape(name or "·")}</label>'
+            )
+    return _grid(body, f"minmax(2.6em,0.8fr) repeat({width},minmax(0,1fr))")
+
+
+def style_html(ids: Sequence[str], width: int) -> str:
+    """Return the rules that all cells share, and where the keyboard's focus shows."""
+    focus = "".join(
+        f'body:has([id="{name}"]:focus-visible) #cell{number // width}-{number % width}'
+        "{outline:2px solid #fff;outline-offset:1px}"
+        for number, name in enumerate(ids)
+    )
+    return (
+        f"<style>.fw{{display:flex;align-items:center;justify-content:center;height:32px;border-radius:5px;"
+        f"font:600 12px {FONT};cursor:pointer;overflow:hidden;user-select:none;box-sizing:border-box}}"
+        f".fw:hover{{filter:brightness(1.12)}}"
+        f".fw-h{{display:flex;align-items:center;justify-content:center;font:500 12px {FONT};color:{MUTED};"
+        f"overflow:hidden;white-space:nowrap}}{focus}</style>"
+    )
+
+
+def glow_html(strengths: Sequence[Sequence[float]], silent: Sequence[Sequence[bool]]) -> str:
+    """Return the style sheet that lets the cells glow.
+
+    Args:
+        strengths: Firing strength of each cell now, in [0, 1].
+        silent: Whether a cell with a rule never fired in the whole run: these are hatched.
+    """
+    lines = []
+    for i, row in enumerate(strengths):
+        for j, strength in enumerate(row):
+            if strength > 0.0:
+                blur = 3 + 9 * strength
+                alpha = 0.35 + 0.65 * strength
+                lines.append(
+                    f"#cell{i}-{j}{{box-shadow:inset 0 0 0 {1.5 + 1.5 * strength:.1f}px rgba(255,255,255,{alpha:.2f}),"
+                    f"0 0 {blur:.0f}px rgba(255,255,255,{0.75 * strength:.2f})}}"
+                )
+            elif silent[i][j]:
+                lines.append(
+                    f"#cell{i}-{j}{{background-image:repeating-linear-gradient(135deg,transparent 0 5px,"
+                    "rgba(16,18,24,.32) 5px 7px)!important}"
+                )
+    return f"<style>{''.join(lines)}</style>"
+
+
+def _grid(cells: Sequence[str], template: str) -> str:
+    style = f"display:grid;grid-template-columns:{template};gap:{GAP}px;padding:0.35em 0.75em"
+    return f'<div style="{style}">{"".join(cells)}</div>'

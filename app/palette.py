@@ -1,0 +1,50 @@
+"""Colours: one diverging scale for consequents everywhere, and the roles of the runs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+RGB = tuple[int, int, int]
+
+_SCALE = np.array(
+    [
+        (38, 98, 217),
+        (86, 143, 236),
+        (158, 190, 246),
+        (197, 200, 210),
+        (247, 192, 140),
+        (238, 140, 62),
+        (214, 95, 14),
+    ]
+)
+"""Blue - grey - orange, from the first term of a variable to its last."""
+
+RUN = "#4f8ff7"
+BEFORE = "#9fc0f9"
+PID = "#f0964a"
+REFERENCE = "#a6abb8"
+MUTED = "#8b909e"
+TEXT = "#d9dce4"
+GOOD = "#6fcf97"
+BAD = "#f2b06c"
+ERROR = "#ff8f85"
+GRID = "#33363d"
+SURFACE = "#2b2d33"
+
+
+def term_color(index: int, count: int) -> RGB:
+    """Return the colour of term ``index`` of ``count``."""
+    place = (len(_SCALE) - 1) * (index / (count - 1) if count > 1 else 0.5)
+    channels = [float(np.interp(place, range(len(_SCALE)), _SCALE[:, channel])) for channel in range(3)]
+    return tuple(round(value) for value in channels)  # pyright: ignore[reportReturnType]
+
+
+def css(color: RGB, alpha: float = 1.0) -> str:
+    """Return a colour in CSS."""
+    return f"rgba({color[0]},{color[1]},{color[2]},{alpha:g})"
+
+
+def ink(color: RGB) -> str:
+    """Return the text colour that is legible on ``color``."""
+    red, green, blue = color
+    return "#10131a" if 0.299 * red + 0.587 * green + 0.114 * blue > 140 else "#ffffff"

@@ -1,0 +1,1 @@
+"""The panels and the scene: one file each, rendered from the state; none holds any."""

@@ -1,0 +1,152 @@
+"""The scene: the arm as a smooth tube with its rods and actuators, and its target as a ghost."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from app.palette import RGB
+from app.runner import Frame
+from app.tube import tube_faces, tube_vertices
+from robot import kinematics
+from robot.arm import Arm, parameters
+
+_BODY_RADIUS = 0.020
+_GHOST_RADIUS = 0.018
+_ACTUATOR_RADIUS = 0.0045
+_ROD_RADIUS = 0.005
+_POINTS = 33
+_SIDES = 20
+_ACTUATOR_POINTS = 9
+_ACTUATOR_SIDES = 8
+
+_BODY = (88, 148, 226)
+_GHOST = (190, 198, 214)
+_ROD = (205, 209, 218)
+_PLATE = (70, 76, 88)
+_PULL = np.array([56, 122, 232])
+_REST = np.array([150, 154, 164])
+_PUSH = np.array([238, 132, 48])
+_FORCE_FOR_FULL_COLOR = 15.0
+"""Actuator force at which its colour is as strong as it gets, N."""
+
+_COLOR_STEPS = 24
+
+_STRETCH = 1.65
+_CLEARANCE = 0.02
+"""The base hangs as high over the floor as the arm is long when stretched so much, and this much higher (m)."""
+
+_PLATE_THICKNESS = 0.016
+_ROD_OVERHANG = 0.006
+
+Array = NDArray[np.float64]
+Vertices = NDArray[np.float32]
+
+
+class ArmView:
+    """Meshes of the arm, made anew only when the number of modules changes."""
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        self._scene = server.scene
+        self._meshes: list[Any] = []
+        self._modules = 0
+        self._height = 0.0
+        self._target: Array | None = None
+        self._scene.set_up_direction("+z")
+        self._scene.configure_default_lights(enabled=False)
+        self._scene.configure_environment_map(hdri=None)
+        self._scene.add_light_hemisphere(
+            "/lights/sky", sky_color=(255, 255, 255), ground_color=(120, 124, 140), intensity=1.6
+        )
+        self._scene.add_light_directional(
+            "/lights/sun", color=(255, 250, 242), intensity=1.7, position=(0.6, -1.2, 1.4)
+        )
+        self._scene.add_grid(
+            "/floor",
+            width=2.0,
+            height=2.0,
+            cell_size=0.1,
+            section_size=0.5,
+            cell_color=(52, 55, 62),
+            section_color=(74, 78, 88),
+        )
+        camera = server.initial_camera
+        camera.position = (0.30, -1.05, 0.52)
+        camera.look_at = (0.04, 0.0, 0.25)
+
+    def show(self, frame: Frame) -> None:
+        """Move the meshes to the frame's position and target."""
+        arm = frame.arm
+        if arm.n_modules != self._modules:
+            self._build(arm)
+        self._body.vertices = self._tube(kinematics.backbone(arm, frame.q, _POINTS), _BODY_RADIUS, _SIDES)
+        if self._target is None or not np.array_equal(frame.target, self._target):
+            self._target = frame.target.copy()
+            self._ghost.vertices = self._tube(kinematics.backbone(arm, frame.target, _POINTS), _GHOST_RADIUS, _SIDES)
+        curves = kinematics.actuators(arm, frame.q, _ACTUATOR_POINTS)
+        for curve, mesh, force in zip(curves, self._actuators, frame.forces, strict=True):
+            mesh.vertices = self._tube(curve, _ACTUATOR_RADIUS, _ACTUATOR_SIDES)
+            color = force_color(float(force))
+            if tuple(mesh.color) != color:
+                mesh.color = color
+        for ends, mesh in zip(kinematics.rods(arm, frame.q).ends[1:], self._rods, strict=True):
+            mesh.vertices = self._rod(ends)
+
+    def _build(self, arm: Arm) -> None:
+        """Make the meshes of an arm with as many modules."""
+        for mesh in self._meshes:
+            mesh.remove()
+        self._modules = arm.n_modules
+        self._target = None
+        self._height = _STRETCH * sum(parameters(arm).rest_length) + _CLEARANCE
+        body = tube_faces(_POINTS, _SIDES)
+        self._body = self._mesh("/arm/body", _POINTS, _SIDES, body, _BODY)
+        self._ghost = self._mesh("/arm/target", _POINTS, _SIDES, body, _GHOST, opacity=0.22)
+        faces = tube_faces(_ACTUATOR_POINTS, _ACTUATOR_SIDES)
+        self._actuators = [
+            self._mesh(f"/arm/actuators/{name}", _ACTUATOR_POINTS, _ACTUATOR_SIDES, faces, force_color(0.0))
+            for name in arm.actuators
+        ]
+        faces = tube_faces(2, _SIDES)
+        self._rods = [self._mesh(f"/arm/rods/{n + 1}", 2, _SIDES, faces, _ROD) for n in range(arm.n_modules)]
+        width = 3.0 * parameters(arm).half_rod[0]
+        plate = self._scene.add_box(
+            "/arm/base", dimensions=(width, width, _PLATE_THICKNESS), color=_PLATE,
+            position=(0.0, 0.0, self._height + 0.5 * _PLATE_THICKNESS),
+        )  # fmt: skip
+        self._meshes = [self._body, self._ghost, *self._actuators, *self._rods, plate]
+
+    def _mesh(
+        self, name: str, n_points: int, n_sides: int, faces: Any, color: RGB, opacity: float | None = None
+    ) -> viser.MeshHandle:
+        vertices = np.zeros((n_points * n_sides + 2, 3), dtype=np.float32)
+        return self._scene.add_mesh_simple(
+            name, vertices, faces, color=color, opacity=opacity, side="double" if opacity else "front",
+            cast_shadow=opacity is None, receive_shadow=False,
+        )  # fmt: skip
+
+    def _tube(self, curve: kinematics.Curve, radius: float, n_sides: int) -> Vertices:
+        return self._raised(tube_vertices(curve.points, curve.normals, radius, n_sides))
+
+    def _rod(self, ends: Array) -> Vertices:
+        """Return a rod as a short tube across the arm, a little longer than the actuators are apart."""
+        along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+        points = np.stack([ends[0] - _ROD_OVERHANG * along, ends[1] + _ROD_OVERHANG * along])
+        normals = np.broadcast_to(np.array([-along[1], along[0]]), (2, 2))
+        return self._raised(tube_vertices(points, normals, _ROD_RADIUS, _SIDES))
+
+    def _raised(self, vertices: Vertices) -> Vertices:
+        """Hang the arm, whose base is the origin of its own axes, over the floor."""
+        vertices[:, 2] += self._height
+        return vertices
+
+
+def force_color(force: float) -> RGB:
+    """Return the colour of an actuator: blue pulls, orange pushes, grey rests. In steps, so that few are sent."""
+    share = round(max(-1.0, min(1.0, force / _FORCE_FOR_FULL_COLOR)) * _COLOR_STEPS) / _COLOR_STEPS
+    end = _PUSH if share > 0.0 else _PULL
+    red, green, blue = (_REST + abs(share) * (end - _REST)).round().astype(int).tolist()
+    return red, green, blue

@@ -1,0 +1,105 @@
+"""Design › Files: open and save rule bases, and the history of edits."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import viser
+
+from app import clean
+from app.palette import BAD, MUTED
+from app.state import AppState, Edit, Event, Notice, Noticed, Opened, Redo, Saved, Selected, Undo
+from app.storage import Storage, StorageError
+from app.store import Dispatch
+from app.widgets import div, escape, on_input
+from fuzzy import edits
+
+_STEPS = 12
+"""Steps of the history that are shown."""
+_MOST_NOTES = 20_000
+
+
+class FilesView:
+    """The rulebases folder and the document's name, notes and history."""
+
+    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch, storage: Storage) -> None:
+        self._storage = storage
+        self._state: AppState | None = None
+        self._current = gui.add_html("")
+        self._file: Any = gui.add_dropdown("open", ("",), hint="Opens at once; undo brings back what was open before.")
+        actions = gui.add_button_group("file", ("save", "reload"))
+        self._name = gui.add_text("new name", "")
+        save_as = gui.add_button("Save under the new name", icon=viser.Icon.DEVICE_FLOPPY)
+        self._notes = gui.add_text("notes", "", multiline=True)
+        history = gui.add_button_group("history", ("undo", "redo"))
+        self._steps = gui.add_html("")
+        on_input(self._file, dispatch, self._open)
+        on_input(actions, dispatch, lambda which: self.save() if which == "save" else self._reload())
+        on_input(self._name, dispatch, lambda name: Selected({"new_name": clean.text(name, clean.MAX_NAME)}))
+        on_input(save_as, dispatch, lambda _: self._save_as())
+        on_input(self._notes, dispatch, _noted)
+        on_input(history, dispatch, lambda which: Undo() if which == "undo" else Redo())
+
+    def render(self, state: AppState) -> None:
+        """Show which file is open, whether it is saved, and the steps that can be undone."""
+        self._state = state
+        mark = f' <b style="color:{BAD}">● not saved</b>' if state.is_unsaved else ""
+        title = escape(state.document.name)
+        self._current.content = div(f"<b>{title}</b> in {escape(state.file or 'no file')}{mark}")
+        files = state.files if state.file in state.files else (state.file or "", *state.files)
+        if tuple(self._file.options) != files:
+            self._file.options = files
+        self._file.value = state.file or ""
+        self._name.value = state.new_name
+        self._notes.value = state.document.notes
+        undone = [f'<li style="opacity:.5">{escape(step.label)}</li>' for step in reversed(state.future[:3])]
+        done = [f"<li>{escape(step.label)}</li>" for step in reversed(state.past[-_STEPS:])]
+        head = f"{len(state.past)} to undo, {len(state.future)} to redo"
+        steps = f'<ul style="margin:0.3em 0;padding-left:1.3em">{"".join((*undone, *done))}</ul>'
+        self._steps.content = div(head + steps, f"color:{MUTED}")
+
+    def save(self) -> Event:
+        """Write the document to the file that it came from."""
+        state = self._present()
+        if state.file is None or state.stamp is None:
+            return _failed("Not saved: choose a name in Files first")
+        try:
+            stamp = self._storage.save(state.file, state.document, state.stamp)
+        except StorageError as error:
+            return _failed(f"Not saved: {error}")
+        return Saved(state.document, state.file, stamp, self._storage.names())
+
+    def _save_as(self) -> Event:
+        state = self._present()
+        text = state.new_name.strip()
+        name = clean.file_name(text if text.endswith(".yaml") else f"{text}.yaml")
+        try:
+            stamp = self._storage.save_as(name, state.document)
+        except StorageError as error:
+            return _failed(f"Not saved: {error}")
+        return Saved(state.document, name, stamp, self._storage.names())
+
+    def _open(self, value: object) -> Event:
+        name = clean.choice(value, self._present().files, "the file")
+        try:
+            opened = self._storage.open(name)
+        except StorageError as error:
+            return _failed(f"Not opened: {error}")
+        return Opened(opened.system, name, opened.stamp, self._storage.names())
+
+    def _reload(self) -> Event:
+        return self._open(self._present().file)
+
+    def _present(self) -> AppState:
+        assert self._state is not None, "rendered before any callback"
+        return self._state
+
+
+def _failed(text: str) -> Noticed:
+    return Noticed(Notice(f"{text}.", is_error=True))
+
+
+def _noted(value: object) -> Edit:
+    notes = clean.text(value, _MOST_NOTES, "the notes")
+    return Edit("notes", partial(edits.set_notes, notes=notes), gesture="notes")

@@ -1,0 +1,68 @@
+"""Response › Plots: a coordinate against its target, and the fuzzy output behind it, now, before and under PID."""
+
+from __future__ import annotations
+
+import numpy as np
+import viser
+
+from app import clean
+from app.charts import Line, add_chart, resampled
+from app.palette import BEFORE, PID, REFERENCE, RUN
+from app.state import AppState, Selected
+from app.store import Dispatch
+from app.widgets import coordinate_label, div, on_input
+
+_POINTS = 600
+"""Points of a curve: more than the panel has pixels."""
+
+_DASH = (6, 4)
+_RESPONSE = (
+    Line("target", REFERENCE, 1.5, (2, 4)),
+    Line("PID", PID, 1.5),
+    Line("before", BEFORE, 1.5, _DASH),
+    Line("now", RUN, 2.5),
+)
+_TORQUE = (Line("before", BEFORE, 1.5, _DASH), Line("now", RUN, 2.5))
+
+
+class PlotsView:
+    """Two charts of the chosen coordinate."""
+
+    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+        self._labels: tuple[str, ...] = ()
+        self._shown: tuple[object, ...] = ()
+        self._coordinate = gui.add_button_group("coordinate", ("s1",))
+        on_input(self._coordinate, dispatch, self._choose)
+        self._response_title = gui.add_html("")
+        self._response = add_chart(gui, _RESPONSE, height=230)
+        self._torque_title = gui.add_html("")
+        self._torque = add_chart(gui, _TORQUE, height=170)
+
+    def render(self, state: AppState) -> None:
+        """Redraw when a run or the chosen coordinate has changed."""
+        runs, i = state.runs, state.coordinate
+        shown = (runs.current, runs.before, runs.pid, i)
+        if runs.current is None or (self._shown and all(a is b for a, b in zip(shown, self._shown, strict=True))):
+            return
+        self._shown = shown
+        current = runs.current.run
+        arm = current.arm
+        labels = tuple(coordinate_label(name) for name in arm.coordinates)
+        if labels != self._labels:
+            self._labels = labels
+            self._coordinate.options = labels
+        is_length = i < arm.n_modules
+        unit, factor = ("mm", 1e3) if is_length else ("°", float(np.rad2deg(1.0)))
+        duration = current.scenario.duration
+        t = np.linspace(0.0, duration, _POINTS)
+        target = resampled(t, current.t, current.reference[:, i])
+        # A curve that is not there yet lies under the present one.
+        results = [runs.pid or runs.current, runs.before or runs.current, runs.current]
+        curves = [resampled(t, result.run.t, result.run.q[:, i]) for result in results]
+        self._response.data = (t, *(curve * factor for curve in (target, *curves)))
+        self._response_title.content = div(f"<b>{labels[i]}</b> in {unit} over t in s")
+        self._torque.data = (t, *(resampled(t, result.run.t, result.run.output[:, i]) for result in results[1:]))
+        self._torque_title.content = div(f"<b>fuzzy output T</b> for {labels[i]} over t in s")
+
+    def _choose(self, value: object) -> Selected:
+        return Selected({"coordinate": self._labels.index(clean.choice(value, self._labels, "the coordinate"))})

@@ -1,0 +1,64 @@
+"""Small pieces that several panels use: callbacks that clean what they get, and pieces of HTML."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from app.clean import Refused
+from app.palette import TEXT
+from app.state import Event, Notice, Noticed
+from app.store import Dispatch
+
+FONT = "Inter,system-ui,-apple-system,'Segoe UI',sans-serif"
+
+
+def on_input(handle: Any, dispatch: Dispatch, to_event: Callable[[Any], Event | None]) -> None:
+    """Dispatch what a user's change of a widget means.
+
+    A value that is refused leaves the state as it is; the rendering that follows any event puts the widget back.
+
+    Args:
+        handle: Handle of a viser input or button.
+        dispatch: Where events go.
+        to_event: Makes the event from the widget's value; may raise ``Refused``; None is nothing to do.
+    """
+
+    async def callback(event: viser.GuiEvent[Any]) -> None:
+        if event.client is None:  # set by the program, not by a hand
+            return
+        try:
+            meant = to_event(event.target.value)
+        except Refused as refusal:
+            meant = Noticed(Notice(f"Refused: {refusal}.", is_error=True))
+        if meant is not None:
+            dispatch(meant)
+
+    if isinstance(handle, viser.GuiButtonHandle | viser.GuiButtonGroupHandle):
+        handle.on_click(callback)
+    else:
+        handle.on_update(callback)
+
+
+def div(content: str, style: str = "") -> str:
+    """Return a block in the workbench's type, as wide as the other widgets of a panel."""
+    base = f"padding:0 0.75em;margin:0.35em 0;font:13px/1.45 {FONT};color:{TEXT}"
+    return f'<div style="{base};{style}">{content}</div>'
+
+
+def escape(text: str) -> str:
+    """Return text as HTML that shows it: names come from files and browsers."""
+    return html.escape(text, quote=True)
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Return a number for reading, in ``digits`` significant digits, with a real minus sign."""
+    return f"{value:.{digits}g}".replace("-", "−")
+
+
+def coordinate_label(name: str) -> str:
+    """Return a coordinate's name for reading: ``theta1`` is θ1."""
+    return name.replace("theta", "θ")

@@ -1,0 +1,157 @@
+"""The workbench: builds the store, the runner and the views, and streams frames. No other module knows them all."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from pathlib import Path
+from typing import Any, Protocol
+
+import viser
+
+from app.guard import start_server
+from app.runner import Frame, Runner
+from app.state import Event, PlaybackChanged, Redo, ResetRequested, Undo, initial
+from app.storage import Storage
+from app.store import Store
+from app.views.arm import ArmView
+from app.views.files import FilesView
+from app.views.inference import InferenceView
+from app.views.membership import MembershipView
+from app.views.metrics import MetricsView
+from app.views.playback import PlaybackView
+from app.views.plots import PlotsView
+from app.views.rules import RulesView
+from app.warmup import warm_up
+
+FRAME_RATE = 30.0
+"""Frames of the live view a second."""
+
+_PANEL_WIDTH = 380
+
+_log = logging.getLogger(__name__)
+
+
+class LiveView(Protocol):
+    """A view that follows the moving arm."""
+
+    def show(self, frame: Frame) -> None:
+        """Show a frame."""
+        ...
+
+
+class Workbench:
+    """A running workbench.
+
+    Args:
+        path: Rule base to open; its folder is where files are opened and saved.
+        host: Address to listen on.
+        port: Port to listen on; 0 takes a free one.
+        token: Secret that a browser must show; None for none.
+
+    Raises:
+        PortBusyError: The port is taken.
+        FuzzyError: The rule base cannot be read.
+    """
+
+    def __init__(self, path: Path, *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None) -> None:
+        storage = Storage(path.parent)
+        opened = storage.open(path.name)
+        self.server = start_server(host=host, port=port, token=token)
+        self._loop = self.server.get_event_loop()
+        self.store = Store(
+            initial(opened.system, file=path.name, stamp=opened.stamp, files=storage.names()), self._loop
+        )
+        self._runner = Runner(self.store.post, lambda post: warm_up(opened.system, post))
+        self._live_views: list[LiveView] = []
+        asyncio.run_coroutine_threadsafe(self._build(storage), self._loop).result()
+        self._stream = asyncio.run_coroutine_threadsafe(self._stream_frames(), self._loop)
+
+    def stop(self) -> None:
+        """End the background work and the server."""
+        self._stream.cancel()
+        self._runner.stop()
+        self.server.stop()
+
+    async def _build(self, storage: Storage) -> None:
+        """Lay out the panels and fill them; on the event loop, as all that touches widgets."""
+        gui, dispatch = self.server.gui, self.store.dispatch
+        gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, brand_color=(79, 143, 247))
+        gui.set_panel_label("Run")
+        design = gui.add_panel()
+        with design.add_tab("Rules", viser.Icon.TABLE):
+            rules = RulesView(gui, dispatch)
+        with design.add_tab("Membership", viser.Icon.CHART_AREA):
+            membership = MembershipView(gui, dispatch)
+        with design.add_tab("Inference", viser.Icon.MATH_FUNCTION):
+            inference = InferenceView(gui, dispatch)
+        with design.add_tab("Files", viser.Icon.FOLDER):
+            files = FilesView(gui, dispatch, storage)
+        playback = PlaybackView(gui, dispatch)
+        response = gui.add_panel()
+        with response.add_tab("Plots", viser.Icon.CHART_LINE):
+            plots = PlotsView(gui, dispatch)
+        with response.add_tab("Metrics", viser.Icon.LIST_NUMBERS):
+            metrics = MetricsView(gui)
+        design.dock_left()
+        design.set_width(_PANEL_WIDTH)
+        gui.main_panel.dock_right()
+        gui.main_panel.set_width(_PANEL_WIDTH)
+        response.dock_below(gui.main_panel)
+        arm = ArmView(self.server)
+        self._live_views = [arm, rules, membership, playback]
+        self.store.add(self._runner, rules, membership, inference, files, playback, plots, metrics)
+        self._add_commands(files)
+
+    def _add_commands(self, files: FilesView) -> None:
+        """Register the hotkeys."""
+
+        def add(label: str, to_event: Any, hotkey: Any, modifier: Any = None) -> None:
+            command = self.server.gui.add_command(label, hotkey=hotkey, modifier=modifier)
+
+            @command.on_trigger
+            async def _(_: Any) -> None:
+                self.store.dispatch(to_event())
+
+        def play_or_pause() -> Event:
+            return PlaybackChanged({"is_playing": not self.store.state.playback.is_playing})
+
+        add("Undo", Undo, "Z", "cmd/ctrl")
+        add("Redo", Redo, "Z", "cmd/ctrl+shift")
+        add("Save", files.save, "S", "cmd/ctrl")
+        add("Play or pause", play_or_pause, "space")
+        add("Reset", ResetRequested, "R")
+
+    async def _stream_frames(self) -> None:
+        """Show the latest frame at ``FRAME_RATE`` while anybody looks; one that stands still is shown once."""
+        last, shown = time.perf_counter(), None
+        while True:
+            await asyncio.sleep(1.0 / FRAME_RATE)
+            now = time.perf_counter()
+            frame = self._runner.frame(self.store.state, now - last)
+            last = now
+            key = None if frame is None else (frame.t, self.store.state, len(self.server.get_clients()))
+            if frame is None or key == shown or not self.server.get_clients():
+                continue
+            shown = key
+            with self.server.atomic():
+                for view in tuple(self._live_views):
+                    self._show(view, frame)
+
+    def _show(self, view: LiveView, frame: Frame) -> None:
+        """Show a frame in one view; a view that fails is left out from then on, and the others go on."""
+        try:
+            view.show(frame)
+        except Exception:
+            _log.exception("%s cannot show a frame and is left out", type(view).__name__)
+            self._live_views.remove(view)
+
+
+def serve(path: Path, *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None) -> None:
+    """Run a workbench until the process is interrupted."""
+    workbench = Workbench(path, host=host, port=port, token=token)
+    try:
+        workbench.server.sleep_forever()
+    finally:
+        workbench.stop()
