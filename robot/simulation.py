@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from robot import dynamics
 from robot.arm import Arm, parameters, read_only
 from robot.controllers import ControlLaw, FuzzyFlc, Pid
+from robot.controllers.fuzzy import Directory
 from robot.errors import InvalidControllerError, RobotError
 from robot.kernels import closed_loop
 from robot.kernels import control as codes
@@ -172,6 +173,7 @@ class Simulation:
             activity=np.zeros((self._size, 0)),
         )
         self._log = _new_log(round(history / STEP), self._size)
+        self._directory: Directory | None = None
         self._start_disturbance()
         self.use(controller)
 
@@ -200,12 +202,12 @@ class Simulation:
             raise InvalidControllerError(found, "controller")
         scenario = self.scenario
         self.controller = controller
-        self._directory = None
+        had_blocks, self._directory = self._directory is not None, None
         n_rules = 0
         if isinstance(controller, FuzzyFlc):
             self._directory = controller.directory()
             n_rules = self._directory.workspace.strength.size
-            if not isinstance(getattr(self, "_loop", None), closed_loop.Loop) or not self._loop.law.fuzzy:
+            if not had_blocks:
                 self._state.output[:] = self._directory.workspace.output[0]
         else:
             self._state.output[:] = 0.0
@@ -305,18 +307,19 @@ class Simulation:
 
     def run(self, last: float | None = None) -> Run:
         """Return the kept past, or only the ``last`` seconds of it, in a copy."""
-        capacity = len(self._log.q)
-        count = min(self._tick, capacity)
+        count = min(self._tick, len(self._log.q))
         if last is not None:
             count = max(0, min(count, round(last / STEP)))
-        ticks = np.arange(self._tick - count, self._tick)
-        log = closed_loop.Log(*(array[ticks % capacity] for array in self._log))
+        first = self._tick - count
+        return self._as_run(first, closed_loop.Log(*(_rows(array, first, self._tick) for array in self._log)))
+
+    def _as_run(self, first: int, log: closed_loop.Log) -> Run:
         return Run(
             arm=self.arm,
             controller=self.controller,
             scenario=self.scenario,
             start=self.start.copy(),
-            t=np.asarray(ticks * STEP, dtype=np.float64),
+            t=np.arange(first, self._tick, dtype=np.float64) * STEP,
             activity=self._state.activity.copy(),
             stopped=self.stopped,
             **log._asdict(),
@@ -339,8 +342,14 @@ def simulate(arm: Arm, controller: ControlLaw, scenario: Scenario) -> Run:
     """
     rows = scenario.n_steps + 1
     simulation = Simulation(arm, controller, scenario, history=rows * STEP)
-    simulation.advance(rows)
-    return simulation.run()
+    made = simulation.advance(rows)
+    return simulation._as_run(0, closed_loop.Log(*(array[:made] for array in simulation._log)))
+
+
+def _rows(ring: Array, first: int, end: int) -> Array:
+    """Return a copy of the rows of steps ``first`` to ``end`` from a ring that still has them all."""
+    begin = first % len(ring)
+    return np.concatenate([ring[begin : begin + end - first], ring[: max(0, begin + end - first - len(ring))]])
 
 
 def _new_log(rows: int, size: int) -> closed_loop.Log:

@@ -1,4 +1,7 @@
-"""What every control law is to the simulation: gains at the level of accelerations and of forces."""
+"""What every control law is to the simulation: gains at the level of accelerations and of forces.
+
+``Law`` is compiled into the kernels (``fuzzy.kernels.jit``).
+"""
 
 from __future__ import annotations
 

@@ -1,13 +1,14 @@
 """From actuator forces to generalized forces and back, in the two readings of the paper's force matrix.
 
 The forces are tau = [F11, F21, F12, F22, ...] (N): first digit the actuator, second the module; positive forces push
-the module longer. Both readings are invertible in every configuration (det = product of l), by recursion.
+the module longer. Both readings are invertible in every configuration (det = product of l), here by recursion from
+the tip. Compiled with numba, as all kernels are (``fuzzy.kernels.jit``).
 """
 
 from __future__ import annotations
 
-from fuzzy.kernels.jit import kernel
 from robot.kernels.dynamics import Array, Parameters, Workspace
+from robot.kernels.jit import borrowing_kernel
 
 INTERNAL = 0
 """A force on rod i reacts on rod i-1: Q is the sum of force times the rate of the actuator's length."""
@@ -16,7 +17,7 @@ PAPER = 1
 """A force on rod i reacts on the ground, equation (14)."""
 
 
-@kernel
+@borrowing_kernel
 def generalized_force(arm: Parameters, reading: int, q: Array, tau: Array, work: Workspace, Q: Array) -> None:
     """Write Q (2N,) = F_coeff(q) tau. Needs ``directions(q, work)``."""
     n = arm.mass.size
@@ -41,7 +42,7 @@ def generalized_force(arm: Parameters, reading: int, q: Array, tau: Array, work:
         moment += q[k] * (f1 * cosine - f3 * sine)
 
 
-@kernel
+@borrowing_kernel
 def actuator_forces(arm: Parameters, reading: int, q: Array, Q: Array, work: Workspace, tau: Array) -> None:
     """Write the tau (2N,) that gives F_coeff(q) tau = Q. Needs ``directions(q, work)``."""
     n = arm.mass.size

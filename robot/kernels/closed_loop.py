@@ -9,9 +9,12 @@ import numpy as np
 
 from fuzzy.kernels.jit import kernel
 from robot.controllers.base import Law
+from robot.controllers.fuzzy import fuzzy_blocks
 from robot.kernels import control, dynamics, integration
 from robot.kernels.control import ReferenceArrays, Signals
-from robot.kernels.dynamics import Array, Parameters
+from robot.kernels.dynamics import Array, Parameters, Workspace
+from robot.kernels.integration import Stages
+from robot.kernels.jit import borrowing_kernel
 
 RUNNING = -1
 FUZZY_OUTPUT = 0
@@ -109,60 +112,78 @@ def run(
     signals = control.new_signals(size)
     q = np.empty(size)
     dq = np.empty(size)
-    rows = log.q.shape[0]
     for k in range(first, first + count):
-        control.follow(loop.reference, k * loop.step, signals)
-        dynamics.directions(state.q, work)
-        control.control(
-            loop.law,
-            loop.model,
-            address,
-            state.q,
-            state.dq,
-            state.integral,
-            state.output,
-            state.activity,
-            work,
-            signals,
-        )
-        for i in range(size):
-            if not math.isfinite(state.output[i]):
-                return k - first, FUZZY_OUTPUT, i
-        for i in range(size):
-            if not math.isfinite(signals.Q[i]):
-                return k - first, FORCE, i
-        control.actuate(loop.model, loop.reading, loop.lower, loop.upper, state.q, work, signals)
-        disturbance = noise[k // loop.hold - first_sample]
-        _write(k % rows, state, signals, disturbance, log)
-        control.integrate_error(loop.law, loop.step, signals, state.integral)
-        for i in range(size):
-            q[i] = state.q[i]
-            dq[i] = state.dq[i]
-        integration.advance(
-            loop.plant,
-            loop.reading,
-            q,
-            dq,
-            signals.tau,
-            disturbance,
-            loop.load,
-            loop.step,
-            loop.substeps,
-            work,
-            stages,
-        )
-        for i in range(size):
-            if not abs(q[i]) <= loop.reach[i]:
-                return k - first + 1, POSITION, i
-            if not math.isfinite(dq[i]):
-                return k - first + 1, VELOCITY, i
-        for i in range(size):
-            state.q[i] = q[i]
-            state.dq[i] = dq[i]
+        control.observe(loop.reference, k * loop.step, state.q, state.dq, signals)
+        if loop.law.fuzzy:
+            fuzzy_blocks(
+                address, loop.law.scale, signals.e, signals.de, signals.x, signals.block, state.output, state.activity
+            )
+        signal, coordinate = _step(loop, k, noise, first_sample, state, log, work, stages, signals, q, dq)
+        if signal != RUNNING:
+            is_logged = signal in (POSITION, VELOCITY)
+            return k - first + int(is_logged), signal, coordinate
     return count, RUNNING, 0
 
 
-@kernel
+@borrowing_kernel
+def _step(
+    loop: Loop,
+    k: int,
+    noise: Array,
+    first_sample: int,
+    state: State,
+    log: Log,
+    work: Workspace,
+    stages: Stages,
+    signals: Signals,
+    q: Array,
+    dq: Array,
+) -> tuple[int, int]:
+    """Act on what was observed, log it and move the arm; return which signal of which coordinate stops the run.
+
+    q and dq (2N,) are overwritten; the state changes only if the new one is finite and within reach.
+    """
+    size = state.q.size
+    dynamics.directions(state.q, work)
+    control.control(loop.law, loop.model, state.q, state.dq, state.integral, state.output, work, signals)
+    for i in range(size):
+        if not math.isfinite(state.output[i]):
+            return FUZZY_OUTPUT, i
+    for i in range(size):
+        if not math.isfinite(signals.Q[i]):
+            return FORCE, i
+    control.actuate(loop.model, loop.reading, loop.lower, loop.upper, state.q, work, signals)
+    disturbance = noise[k // loop.hold - first_sample]
+    _write(k % log.q.shape[0], state, signals, disturbance, log)
+    control.integrate_error(loop.law, loop.step, signals, state.integral)
+    for i in range(size):
+        q[i] = state.q[i]
+        dq[i] = state.dq[i]
+    integration.advance(
+        loop.plant,
+        loop.reading,
+        q,
+        dq,
+        signals.tau,
+        disturbance,
+        loop.load,
+        loop.step,
+        loop.substeps,
+        work,
+        stages,
+    )
+    for i in range(size):
+        if not abs(q[i]) <= loop.reach[i]:
+            return POSITION, i
+        if not math.isfinite(dq[i]):
+            return VELOCITY, i
+    for i in range(size):
+        state.q[i] = q[i]
+        state.dq[i] = dq[i]
+    return RUNNING, 0
+
+
+@borrowing_kernel
 def _write(row: int, state: State, signals: Signals, disturbance: Array, log: Log) -> None:
     for i in range(state.q.size):
         log.q[row, i] = state.q[i]

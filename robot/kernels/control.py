@@ -9,9 +9,9 @@ import numpy as np
 
 from fuzzy.kernels.jit import kernel
 from robot.controllers.base import ACCELERATION, FORCE, Law
-from robot.controllers.fuzzy import fuzzy_blocks
 from robot.kernels import actuation, dynamics
 from robot.kernels.dynamics import Array, Parameters, Workspace
+from robot.kernels.jit import borrowing_kernel
 
 STEP = 0
 SINUS = 1
@@ -75,9 +75,9 @@ def new_signals(size: int) -> Signals:
     )
 
 
-@kernel
-def follow(reference: ReferenceArrays, time: float, signals: Signals) -> None:
-    """Write the reference and its two derivatives at ``time`` (s)."""
+@borrowing_kernel
+def observe(reference: ReferenceArrays, time: float, q: Array, dq: Array, signals: Signals) -> None:
+    """Write the reference at ``time`` (s) with its two derivatives, and the errors e and de."""
     value = 1.0
     first = 0.0
     second = 0.0
@@ -86,48 +86,41 @@ def follow(reference: ReferenceArrays, time: float, signals: Signals) -> None:
         value = math.sin(angle)
         first = reference.rate * math.cos(angle)
         second = -reference.rate * reference.rate * value
-    for i in range(reference.start.size):
+    for i in range(q.size):
         amplitude = reference.amplitude[i]
         signals.reference[i] = reference.start[i] + amplitude * value
         signals.dreference[i] = amplitude * first
         signals.ddreference[i] = amplitude * second
+        signals.e[i] = signals.reference[i] - q[i]
+        signals.de[i] = signals.dreference[i] - dq[i]
 
 
-@kernel
+@borrowing_kernel
 def control(
     law: Law,
     model: Parameters,
-    address: int,
     q: Array,
     dq: Array,
     integral: Array,
     output: Array,
-    activity: Array,
     work: Workspace,
     signals: Signals,
 ) -> None:
     """Write the generalized force Q of the law; see :class:`robot.controllers.base.Law` for the equations.
 
-    Needs ``follow`` and ``directions(q, work)``.
+    Needs ``observe`` and ``directions(q, work)``.
 
     Args:
         law: Gains.
         model: The arm as the controller believes it to be.
-        address: Of the compiled fuzzy system and its workspace; not used by laws without one.
         q: (2N,) position.
         dq: (2N,) velocity.
         integral: (2N,) ∫e dt.
-        output: (2N,) in: the fuzzy blocks' last outputs; out: their outputs T.
-        activity: (2N, n_rules) in and out, largest firing strengths.
+        output: (2N,) outputs T of the fuzzy blocks for this error.
         work: Directions in, the rest overwritten.
-        signals: Reference in; everything else out.
+        signals: Reference and errors in; v and Q out.
     """
     size = q.size
-    for i in range(size):
-        signals.e[i] = signals.reference[i] - q[i]
-        signals.de[i] = signals.dreference[i] - dq[i]
-    if law.fuzzy:
-        fuzzy_blocks(address, law.scale, signals.e, signals.de, signals.x, signals.block, output, activity)
     if law.linearizing:
         for i in range(size):
             signals.v[i] = signals.ddreference[i] + _sum(law, ACCELERATION, i, signals, integral, output)
@@ -139,7 +132,7 @@ def control(
         signals.Q[i] += _sum(law, FORCE, i, signals, integral, output)
 
 
-@kernel
+@borrowing_kernel
 def _sum(law: Law, level: int, i: int, signals: Signals, integral: Array, output: Array) -> float:
     total = law.Kp[level, i] * signals.e[i] + law.Kd[level, i] * signals.de[i] + law.Ki[level, i] * integral[i]
     if law.fuzzy:
@@ -147,7 +140,7 @@ def _sum(law: Law, level: int, i: int, signals: Signals, integral: Array, output
     return total
 
 
-@kernel
+@borrowing_kernel
 def actuate(
     model: Parameters, reading: int, lower: float, upper: float, q: Array, work: Workspace, signals: Signals
 ) -> None:
@@ -157,7 +150,7 @@ def actuate(
         signals.tau[i] = min(max(signals.wanted[i], lower), upper)
 
 
-@kernel
+@borrowing_kernel
 def integrate_error(law: Law, step: float, signals: Signals, integral: Array) -> None:
     """Add the error to its integral, where the condition allows it.
 

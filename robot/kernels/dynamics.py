@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy.kernels.jit import kernel
+from robot.kernels.jit import borrowing_kernel
 
 Array = NDArray[np.float64]
 
@@ -77,7 +78,7 @@ def new_workspace(n: int) -> Workspace:
     return Workspace(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
 
 
-@kernel
+@borrowing_kernel
 def directions(q: Array, work: Workspace) -> None:
     """Write sin and cos of every link's absolute angle; the first link always hangs along n3."""
     n = q.size // 2
@@ -90,7 +91,7 @@ def directions(q: Array, work: Workspace) -> None:
         work.cosine[k] = math.cos(angle)
 
 
-@kernel
+@borrowing_kernel
 def rigid_body_force(
     arm: Parameters, q: Array, dq: Array, ddq: Array, gravity: float, work: Workspace, Q: Array
 ) -> None:
@@ -107,68 +108,57 @@ def rigid_body_force(
         work: ``sine`` and ``cosine`` in, others overwritten.
         Q: (2N,) out.
     """
-    mass = arm.mass
-    inertia = arm.inertia
-    sin_phi = work.sine
-    cos_phi = work.cosine
-    work_along = work.along
-    work_across = work.across
-    n = mass.size
+    n = arm.mass.size
     a1 = 0.0
     a3 = 0.0
     w = 0.0
     dw = 0.0
     for k in range(n):
-        sine = sin_phi[k]
-        cosine = cos_phi[k]
+        sine = work.sine[k]
+        cosine = work.cosine[k]
         radial = ddq[k] - q[k] * w * w
         lateral = q[k] * dw + 2.0 * dq[k] * w
         a1 += radial * sine + lateral * cosine
         a3 += radial * cosine - lateral * sine
-        work_along[k] = a1
-        work_across[k] = a3
+        work.along[k] = a1
+        work.across[k] = a3
         w += dq[n + k]
         dw += ddq[n + k]
-        Q[n + k] = inertia[k] * dw
+        Q[n + k] = arm.inertia[k] * dw
     f1 = 0.0
     f3 = 0.0
     for k in range(n - 1, -1, -1):
-        sine = sin_phi[k]
-        cosine = cos_phi[k]
-        f1 += mass[k] * work_along[k]
-        f3 += mass[k] * (work_across[k] - gravity)
+        sine = work.sine[k]
+        cosine = work.cosine[k]
+        f1 += arm.mass[k] * work.along[k]
+        f3 += arm.mass[k] * (work.across[k] - gravity)
         Q[k] = f1 * sine + f3 * cosine
         if k > 0:
             # The moment of link k about its start acts on the rod it starts from, and on every joint before it.
             Q[n + k - 1] += q[k] * (f1 * cosine - f3 * sine) + Q[n + k]
 
 
-@kernel
+@borrowing_kernel
 def add_passive_force(arm: Parameters, q: Array, dq: Array, sign: float, Q: Array) -> None:
     """Add ``sign`` times what springs and dampers oppose at (q, dq) to Q (2N,), actuator by actuator; (5), (6)."""
-    mass = arm.mass
-    half_rod = arm.half_rod
-    rest_length = arm.rest_length
-    stiffness = arm.stiffness
-    damping = arm.damping
-    n = mass.size
+    n = arm.mass.size
     for k in range(n):
-        lever = half_rod[k]
-        stretch = q[k] - rest_length[k]
-        first = stiffness[0, k] * (stretch + lever * q[n + k]) + damping[0, k] * (dq[k] + lever * dq[n + k])
-        second = stiffness[1, k] * (stretch - lever * q[n + k]) + damping[1, k] * (dq[k] - lever * dq[n + k])
+        lever = arm.half_rod[k]
+        stretch = q[k] - arm.rest_length[k]
+        first = arm.stiffness[0, k] * (stretch + lever * q[n + k]) + arm.damping[0, k] * (dq[k] + lever * dq[n + k])
+        second = arm.stiffness[1, k] * (stretch - lever * q[n + k]) + arm.damping[1, k] * (dq[k] - lever * dq[n + k])
         Q[k] += sign * (first + second)
         Q[n + k] += sign * lever * (first - second)
 
 
-@kernel
+@borrowing_kernel
 def inverse_dynamics(arm: Parameters, q: Array, dq: Array, ddq: Array, work: Workspace, Q: Array) -> None:
     """Write Q = D ddq + C dq + B dq + G, the force that moves the arm so. Needs ``directions(q, work)``."""
     rigid_body_force(arm, q, dq, ddq, arm.gravity, work, Q)
     add_passive_force(arm, q, dq, 1.0, Q)
 
 
-@kernel
+@borrowing_kernel
 def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array, work: Workspace, ddq: Array) -> None:
     """Write the acceleration that solves D ddq + C dq + B dq + G = Q + forces of the loads.
 
@@ -186,16 +176,7 @@ def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array
         work: ``sine`` and ``cosine`` in, others overwritten.
         ddq: (2N,) out.
     """
-    mass = arm.mass
-    inertia = arm.inertia
-    sin_phi = work.sine
-    cos_phi = work.cosine
-    work_along = work.along
-    work_across = work.across
-    work_bias = work.bias
-    work_effective = work.effective
-    work_remaining = work.remaining
-    n = mass.size
+    n = arm.mass.size
     add_passive_force(arm, q, dq, -1.0, Q)
     # c: force at zero acceleration of mass k; beta: the tail's inertia across the next link.
     w = 0.0
@@ -207,27 +188,27 @@ def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array
     next_sine = 0.0
     next_cosine = 1.0
     for k in range(n - 1, -1, -1):
-        m = mass[k]
-        sine = sin_phi[k]
-        cosine = cos_phi[k]
+        mass = arm.mass[k]
+        sine = work.sine[k]
+        cosine = work.cosine[k]
         c1 -= load[k, 0]
-        c3 -= m * arm.gravity + load[k, 1]
+        c3 -= mass * arm.gravity + load[k, 1]
         d_n = sine * next_cosine - cosine * next_sine
         n_n = cosine * next_cosine + sine * next_sine
-        along = m + beta * d_n * d_n
+        along = mass + beta * d_n * d_n
         across = beta * d_n * n_n
         bias = c1 * sine + c3 * cosine
-        work_along[k] = along
-        work_across[k] = across
-        work_bias[k] = bias
+        work.along[k] = along
+        work.across[k] = across
+        work.bias[k] = bias
         if k == 0:
             break
-        effective = m * (m + beta) / along
+        effective = mass * (mass + beta) / along
         remaining = c1 * cosine - c3 * sine + across / along * (Q[k] - bias)
-        work_effective[k] = effective
-        work_remaining[k] = remaining
+        work.effective[k] = effective
+        work.remaining[k] = remaining
         s = q[k]
-        rod = inertia[k - 1]
+        rod = arm.inertia[k - 1]
         # Absolute angles: the force on psi_(k-1) is what the joint before rod k-1 gives less what the next one takes.
         torque = Q[n + k - 1] - Q[n + k]
         share = 1.0 / (rod + effective * s * s)
@@ -238,32 +219,32 @@ def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array
         next_sine = sine
         next_cosine = cosine
         w -= dq[n + k - 1]
-    ddq[0] = (Q[0] - work_bias[0]) / work_along[0]
-    a1 = ddq[0] * sin_phi[0]
-    a3 = ddq[0] * cos_phi[0]
+    ddq[0] = (Q[0] - work.bias[0]) / work.along[0]
+    a1 = ddq[0] * work.sine[0]
+    a3 = ddq[0] * work.cosine[0]
     w = 0.0
     previous = 0.0
     for k in range(1, n):
-        sine = sin_phi[k]
-        cosine = cos_phi[k]
+        sine = work.sine[k]
+        cosine = work.cosine[k]
         s = q[k]
         w += dq[n + k - 1]
         lateral = a1 * cosine - a3 * sine + 2.0 * dq[k] * w
         radial = a1 * sine + a3 * cosine - s * w * w
-        effective = work_effective[k]
-        torque = Q[n + k - 1] - Q[n + k] - s * (work_remaining[k] + effective * lateral)
-        turn = torque / (inertia[k - 1] + effective * s * s)
+        effective = work.effective[k]
+        torque = Q[n + k - 1] - Q[n + k] - s * (work.remaining[k] + effective * lateral)
+        turn = torque / (arm.inertia[k - 1] + effective * s * s)
         lateral += s * turn
-        slide = (Q[k] - work_bias[k] - work_across[k] * lateral) / work_along[k]
+        slide = (Q[k] - work.bias[k] - work.across[k] * lateral) / work.along[k]
         ddq[k] = slide - radial
         ddq[n + k - 1] = turn - previous
         previous = turn
         a1 = slide * sine + lateral * cosine
         a3 = slide * cosine - lateral * sine
-    ddq[2 * n - 1] = Q[2 * n - 1] / inertia[n - 1] - previous
+    ddq[2 * n - 1] = Q[2 * n - 1] / arm.inertia[n - 1] - previous
 
 
-@kernel
+@borrowing_kernel
 def joint_angles(n: int, matrix: Array) -> None:
     """Turn a (2N, 2N) matrix over (s, phi) in place into one over (s, theta).
 
@@ -284,23 +265,19 @@ def joint_angles(n: int, matrix: Array) -> None:
             total += row_value
 
 
-@kernel
+@borrowing_kernel
 def mass_matrix(arm: Parameters, q: Array, work: Workspace, D: Array) -> None:
     """Write the mass matrix D (2N, 2N), symmetric and positive definite. Needs ``directions(q, work)``.
 
     Composite bodies: links i and k both carry the masses from max(i, k) on.
     """
-    mass = arm.mass
-    inertia = arm.inertia
-    cos_phi = work.cosine
-    sin_phi = work.sine
-    n = mass.size
+    n = arm.mass.size
     carried = 0.0
     for k in range(n - 1, -1, -1):
-        carried += mass[k]
+        carried += arm.mass[k]
         for i in range(k + 1):
-            cosine = cos_phi[k] * cos_phi[i] + sin_phi[k] * sin_phi[i]
-            sine = sin_phi[k] * cos_phi[i] - cos_phi[k] * sin_phi[i]
+            cosine = work.cosine[k] * work.cosine[i] + work.sine[k] * work.sine[i]
+            sine = work.sine[k] * work.cosine[i] - work.cosine[k] * work.sine[i]
             D[k, i] = carried * cosine
             D[i, k] = D[k, i]
             D[k, n + i] = carried * q[i] * sine
@@ -312,7 +289,7 @@ def mass_matrix(arm: Parameters, q: Array, work: Workspace, D: Array) -> None:
     joint_angles(n, D)
     rods = 0.0
     for j in range(n - 1, -1, -1):
-        rods += inertia[j]
+        rods += arm.inertia[j]
         for i in range(j):
             D[n + i, n + j] += rods
             D[n + j, n + i] += rods
@@ -326,15 +303,12 @@ def coriolis_matrix(arm: Parameters, q: Array, dq: Array, work: Workspace, C: Ar
     The masses move in a plane without curvature, so that d²p/dq_j dq_k · dp/dq_i are the Christoffel symbols of the
     first kind; hence dD/dt - 2 C is skew.
     """
-    mass = arm.mass
-    cos_phi = work.cosine
-    sin_phi = work.sine
-    n = mass.size
+    n = arm.mass.size
     carried = np.empty(n)
     w = np.empty(n)
     total = 0.0
     for k in range(n - 1, -1, -1):
-        total += mass[k]
+        total += arm.mass[k]
         carried[k] = total
     rate = 0.0
     for k in range(n):
@@ -343,8 +317,8 @@ def coriolis_matrix(arm: Parameters, q: Array, dq: Array, work: Workspace, C: Ar
     for k in range(n):
         for i in range(n):
             both = carried[max(i, k)]
-            cosine = cos_phi[k] * cos_phi[i] + sin_phi[k] * sin_phi[i]
-            sine = sin_phi[k] * cos_phi[i] - cos_phi[k] * sin_phi[i]
+            cosine = work.cosine[k] * work.cosine[i] + work.sine[k] * work.sine[i]
+            sine = work.sine[k] * work.cosine[i] - work.cosine[k] * work.sine[i]
             C[k, i] = both * w[i] * sine
             C[k, n + i] = both * (dq[i] * sine - q[i] * w[i] * cosine)
             C[n + k, i] = both * q[k] * w[i] * cosine
@@ -352,44 +326,32 @@ def coriolis_matrix(arm: Parameters, q: Array, dq: Array, work: Workspace, C: Ar
     joint_angles(n, C)
 
 
-@kernel
+@borrowing_kernel
 def stiffness_matrix(arm: Parameters, q: Array, work: Workspace, K: Array) -> None:
     """Write K (2N, 2N) = dG/dq, the Hessian of the potential energy. Needs ``directions(q, work)``."""
-    mass = arm.mass
-    half_rod = arm.half_rod
-    stiffness = arm.stiffness
-    sin_phi = work.sine
-    cos_phi = work.cosine
-    n = mass.size
+    n = arm.mass.size
     K[:, :] = 0.0
     weight = 0.0
     for k in range(n - 1, -1, -1):
-        weight += mass[k] * arm.gravity
-        K[k, n + k] = weight * sin_phi[k]
+        weight += arm.mass[k] * arm.gravity
+        K[k, n + k] = weight * work.sine[k]
         K[n + k, k] = K[k, n + k]
-        K[n + k, n + k] = weight * q[k] * cos_phi[k]
+        K[n + k, n + k] = weight * q[k] * work.cosine[k]
     joint_angles(n, K)
     for k in range(n):
-        lever = half_rod[k]
-        both = stiffness[0, k] + stiffness[1, k]
-        difference = stiffness[0, k] - stiffness[1, k]
+        lever = arm.half_rod[k]
+        both = arm.stiffness[0, k] + arm.stiffness[1, k]
+        difference = arm.stiffness[0, k] - arm.stiffness[1, k]
         K[k, k] += both
         K[k, n + k] += lever * difference
         K[n + k, k] += lever * difference
         K[n + k, n + k] += lever * lever * both
 
 
-@kernel
+@borrowing_kernel
 def energy(arm: Parameters, q: Array, dq: Array, work: Workspace) -> tuple[float, float]:
     """Return the kinetic and the potential energy, J (4, 5 corrected). Needs ``directions(q, work)``."""
-    mass = arm.mass
-    inertia = arm.inertia
-    rest_length = arm.rest_length
-    half_rod = arm.half_rod
-    stiffness = arm.stiffness
-    sin_phi = work.sine
-    cos_phi = work.cosine
-    n = mass.size
+    n = arm.mass.size
     kinetic = 0.0
     potential = 0.0
     v1 = 0.0
@@ -397,16 +359,16 @@ def energy(arm: Parameters, q: Array, dq: Array, work: Workspace) -> tuple[float
     depth = 0.0
     w = 0.0
     for k in range(n):
-        sine = sin_phi[k]
-        cosine = cos_phi[k]
+        sine = work.sine[k]
+        cosine = work.cosine[k]
         v1 += dq[k] * sine + q[k] * w * cosine
         v3 += dq[k] * cosine - q[k] * w * sine
         depth += q[k] * cosine
         w += dq[n + k]
-        kinetic += 0.5 * (mass[k] * (v1 * v1 + v3 * v3) + inertia[k] * w * w)
-        stretch = q[k] - rest_length[k]
-        first = stretch + half_rod[k] * q[n + k]
-        second = stretch - half_rod[k] * q[n + k]
-        potential += 0.5 * (stiffness[0, k] * first * first + stiffness[1, k] * second * second)
-        potential -= mass[k] * arm.gravity * depth
+        kinetic += 0.5 * (arm.mass[k] * (v1 * v1 + v3 * v3) + arm.inertia[k] * w * w)
+        stretch = q[k] - arm.rest_length[k]
+        first = stretch + arm.half_rod[k] * q[n + k]
+        second = stretch - arm.half_rod[k] * q[n + k]
+        potential += 0.5 * (arm.stiffness[0, k] * first * first + arm.stiffness[1, k] * second * second)
+        potential -= arm.mass[k] * arm.gravity * depth
     return kinetic, potential

@@ -9,6 +9,7 @@ import numpy as np
 from fuzzy.kernels.jit import kernel
 from robot.kernels import actuation, dynamics
 from robot.kernels.dynamics import Array, Parameters, Workspace
+from robot.kernels.jit import borrowing_kernel
 
 
 class Stages(NamedTuple):
@@ -38,7 +39,7 @@ def new_stages(size: int) -> Stages:
     )
 
 
-@kernel
+@borrowing_kernel
 def advance(
     plant: Parameters,
     reading: int,
