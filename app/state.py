@@ -309,7 +309,8 @@ def _with_valid_selection(state: AppState) -> AppState:
     terms = [term.name for term in variables[variable].terms]
     term = state.term if state.term in terms else terms[len(terms) // 2]
     table = document.rules.table
-    brushes = [t.name for t in variables[table.output].terms] if table else []
+    # Without a table there is nothing to paint: the brush waits for the next document with one.
+    brushes = [t.name for t in variables[table.output].terms] if table else [state.brush]
     brush = state.brush if state.brush is None or state.brush in brushes else brushes[-1]
     if (variable, term, brush) == (state.variable, state.term, state.brush):
         return state
