@@ -1,1 +1,33 @@
-"""A planar continuum arm: dynamics, controllers, disturbances and closed-loop simulation, in SI units."""
+"""A planar continuum arm: dynamics, controllers, disturbances and closed-loop simulation, in SI units.
+
+What most users need stands here: :class:`Arm`, :class:`Scenario`, :func:`simulate`, :class:`Simulation`, and the
+modules ``controllers``, ``dynamics`` and ``kinematics``. They are loaded when they are first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from robot import controllers, dynamics, kinematics
+    from robot.arm import Arm
+    from robot.scenario import Scenario
+    from robot.simulation import Run, Simulation, simulate
+
+__all__ = ["Arm", "Run", "Scenario", "Simulation", "controllers", "dynamics", "kinematics", "simulate"]
+
+_HOME = {
+    "Arm": "arm",
+    "Scenario": "scenario",
+    "Run": "simulation",
+    "Simulation": "simulation",
+    "simulate": "simulation",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module 'robot' has no attribute '{name}'; valid: {', '.join(__all__)}")
+    module = importlib.import_module(f"robot.{_HOME.get(name, name)}")
+    return getattr(module, name) if name in _HOME else module

@@ -10,9 +10,13 @@ import numpy as np
 from robot import dynamics
 from robot.arm import Arm
 from robot.controllers.base import Law, checked_gains, law
+from robot.scenario import STEP
 
 PROPORTIONAL, DERIVATIVE, INTEGRAL = 2.0, 0.30, 8.65
 """Default gains in units of the stiffness of each coordinate: 1, s and 1/s."""
+
+HIGHEST_RATE = 1.6
+"""Largest eigenvalue of D⁻¹ Kd times the control step; a held force is stable below 2."""
 
 
 class Pid(msgspec.Struct, frozen=True):
@@ -41,13 +45,22 @@ class Pid(msgspec.Struct, frozen=True):
 
     @staticmethod
     def default(arm: Arm) -> Pid:
-        """Return gains in proportion to the stiffness ∂G/∂q of each coordinate at the equilibrium.
+        """Return gains in proportion to the stiffness K = ∂G/∂q of each coordinate at the equilibrium.
 
-        On the soft arm they give the standard step an overshoot of 2.8 %.
+        On the soft arm Kp = 2 K, Kd = 0.30 s K and Ki = 8.65 K/s, which gives the standard step an overshoot of
+        2.8 %. Where a force held for a control step would let Kd overturn the lightest motion of a stiffer arm, Kp
+        and Kd are smaller, and so is Ki such that the integral acts with the same rate Ki / (K + Kp).
         """
-        stiffness = np.diag(dynamics.stiffness_matrix(arm, dynamics.equilibrium(arm)))
+        q = dynamics.equilibrium(arm)
+        stiffness = np.diag(dynamics.stiffness_matrix(arm, q))
+        D = dynamics.mass_matrix(arm, q)
+        rate = float(np.abs(np.linalg.eigvals(np.linalg.solve(D, np.diag(DERIVATIVE * stiffness)))).max())
+        share = min(1.0, HIGHEST_RATE / (rate * STEP))
+        rest = (1.0 + share * PROPORTIONAL) / (1.0 + PROPORTIONAL)
         return Pid(
-            (PROPORTIONAL * stiffness).tolist(), (DERIVATIVE * stiffness).tolist(), (INTEGRAL * stiffness).tolist()
+            kp=(share * PROPORTIONAL * stiffness).tolist(),
+            kd=(share * DERIVATIVE * stiffness).tolist(),
+            ki=(rest * INTEGRAL * stiffness).tolist(),
         )
 
     def law(self) -> Law:

@@ -171,6 +171,23 @@ def test_pd_flc_gives_every_coordinate_the_linear_error_dynamics(name: str, held
     np.testing.assert_allclose(e / STEP.amplitude(3), np.tile(expected, (6, 1)).T, atol=held)
 
 
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("n", [1, 2, 3, 5])
+def test_the_default_gains_of_every_law_hold_any_arm(n: int, seed: int) -> None:
+    for arm in (uneven_arm(n, seed), uneven_arm(n, seed).scaled(stiffness=8.0, damping=4.0)):
+        for name in controllers.NAMES:
+            run = simulate(arm, law(name, arm), STEP)
+            assert run.stopped is None
+            assert n > 3 or run.metrics().overshoot["worst"] < 25
+
+
+def test_pid_on_the_stiff_arm_is_stable() -> None:
+    arm = Arm.preset("stiff")
+    metrics = simulate(arm, law("pid", arm), STEP).metrics()
+    assert metrics.overshoot["worst"] < 3
+    assert metrics.settling_time["worst"] < 1.5
+
+
 def test_pd_flc_follows_a_sinus() -> None:
     scenario = Scenario.preset("sinus")
     assert isinstance(scenario.reference, Sinus)
