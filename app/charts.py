@@ -32,6 +32,7 @@ def add_chart(
     height: int,
     x_label: str = "t",
     y_range: tuple[float, float] | None = None,
+    has_legend: bool = True,
     data: tuple[Array, ...] | None = None,
 ) -> viser.GuiUplotHandle:
     """Add a chart of curves over a common x.
@@ -42,6 +43,7 @@ def add_chart(
         height: In pixels.
         x_label: Name of x in the legend.
         y_range: Fixed range of y; None for that of the data.
+        has_legend: Whether names and values of the curves stand below.
         data: x and one array a curve; empty at first by default.
     """
     scales: dict[str, uplot.Scale] = {"x": uplot.Scale(time=False)}
@@ -54,6 +56,7 @@ def add_chart(
         scales=scales,
         axes=(axis, axis),
         height=height,
+        legend=None if has_legend else uplot.Legend(show=False),
         padding=(8, 14, 0, 0),
     )
 

@@ -14,18 +14,10 @@ from typing import Any
 import viser
 
 from app.palette import GRID, MUTED, css, ink, term_color
-from app.widgets import FONT, escape
+from app.widgets import FONT, element_id, escape
 
 GAP = 4
 """Pixels between cells."""
-
-
-def element_id(handle: Any) -> str:
-    """Return the id of a handle's element in the page.
-
-    The one private name of viser's that the panels rely on; a browser test fails when it moves.
-    """
-    return handle._impl.uuid
 
 
 class HiddenButtons:

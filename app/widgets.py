@@ -13,6 +13,8 @@ from app.palette import TEXT
 from app.state import Event, Notice, Noticed
 from app.store import Dispatch
 
+_TINY = 5e-4
+
 FONT = "Inter,system-ui,-apple-system,'Segoe UI',sans-serif"
 
 
@@ -43,6 +45,21 @@ def on_input(handle: Any, dispatch: Dispatch, to_event: Callable[[Any], Event | 
         handle.on_update(callback)
 
 
+def element_id(handle: Any) -> str:
+    """Return the id of a handle's element in the page.
+
+    The one private name of viser's that the panels rely on; a browser test fails when it moves.
+    """
+    return handle._impl.uuid
+
+
+def full_width_html(handle: Any, left: int, right: int) -> str:
+    """Return a style sheet that takes away an input's label and sets its distance in pixels from the panel's edges."""
+    label = f'label[for="{element_id(handle)}"]'
+    column = f"div:has(> p > {label})"
+    return f"<style>{column}{{display:none}}{column} + div{{margin:0 {right}px 0 {left}px}}</style>"
+
+
 def div(content: str, style: str = "") -> str:
     """Return a block in the workbench's type, as wide as the other widgets of a panel."""
     base = f"padding:0 0.75em;margin:0.35em 0;font:13px/1.45 {FONT};color:{TEXT}"
@@ -55,7 +72,9 @@ def escape(text: str) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """Return a number for reading, in ``digits`` significant digits, with a real minus sign."""
+    """Return a number for reading, in ``digits`` significant digits, with a real minus sign; tiny ones as "≈ 0"."""
+    if 0.0 < abs(value) < _TINY:
+        return "≈ 0"
     return f"{value:.{digits}g}".replace("-", "−")
 
 

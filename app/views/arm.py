@@ -26,7 +26,7 @@ _ACTUATOR_SIDES = 8
 _BODY = (88, 148, 226)
 _GHOST = (190, 198, 214)
 _ROD = (205, 209, 218)
-_PLATE = (70, 76, 88)
+_PLATE = (112, 118, 132)
 _PULL = np.array([56, 122, 232])
 _REST = np.array([150, 154, 164])
 _PUSH = np.array([238, 132, 48])
@@ -74,8 +74,8 @@ class ArmView:
             section_color=(74, 78, 88),
         )
         camera = server.initial_camera
-        camera.position = (0.30, -1.05, 0.52)
-        camera.look_at = (0.04, 0.0, 0.25)
+        camera.position = (0.24, -0.82, 0.50)
+        camera.look_at = (0.05, 0.0, 0.30)
 
     def show(self, frame: Frame) -> None:
         """Move the meshes to the frame's position and target."""

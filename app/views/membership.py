@@ -17,16 +17,20 @@ from app.palette import MUTED, css, term_color
 from app.runner import Frame
 from app.state import AppState, DragMode, Edit, Selected
 from app.store import Dispatch
-from app.widgets import div, escape, number, on_input
+from app.widgets import div, escape, full_width_html, on_input
 from fuzzy import edits, shapes
 from fuzzy.shapes import Gaussian
 from fuzzy.system import FuzzySystem, Input, Variable
 
 _POINTS = 241
-_HEIGHT = 190
+_HEIGHT = 170
 _STEPS = 400
 """Positions of a thumb over the variable's range."""
+_SLIDER_MARGINS = (50, 12)
+"""Pixels that put the slider's ends under the ends of the chart's axis."""
 _MOST_PARAMETERS = 4
+_STEP = 0.001
+"""Step, and with it the shown digits, of the number fields."""
 _MOST_VALUE = 1e12
 _SPREAD = "mean + sigma"
 """The thumb that moves a Gaussian's sigma."""
@@ -51,6 +55,7 @@ class MembershipView:
         self._lines: list[Line] = []
         self._thumbs: tuple[Thumb, ...] = ()
         self._slider: Any = None
+        self._slider_parts: list[Any] = []
         self._slider_key: tuple[Any, ...] = ()
         self._variable = gui.add_button_group("variable", ("e",))
         on_input(self._variable, dispatch, lambda name: Selected({"variable": clean.name(name)}))
@@ -64,11 +69,11 @@ class MembershipView:
         on_input(self._term, dispatch, lambda name: Selected({"term": clean.name(name)}))
         self._shape = gui.add_dropdown("shape", tuple(shapes.kind(shape) for shape in shapes.SHAPES))
         on_input(self._shape, dispatch, self._change_shape)
-        self._numbers = [gui.add_number("abcd"[n], 0.0) for n in range(_MOST_PARAMETERS)]
+        self._numbers = [gui.add_number("abcd"[n], 0.0, step=_STEP) for n in range(_MOST_PARAMETERS)]
         for n, field in enumerate(self._numbers):
             on_input(field, dispatch, partial(self._set_parameter, n))
-        self._low = gui.add_number("range from", 0.0)
-        self._high = gui.add_number("range to", 1.0)
+        self._low = gui.add_number("range from", 0.0, step=_STEP)
+        self._high = gui.add_number("range to", 1.0, step=_STEP)
         on_input(self._low, dispatch, partial(self._set_range, is_low=True))
         on_input(self._high, dispatch, partial(self._set_range, is_low=False))
 
@@ -128,12 +133,14 @@ class MembershipView:
             self._slider.value = values
             return
         self._slider_key = key
-        if self._slider is not None:
-            self._slider.remove()
-            self._slider = None
+        for handle in self._slider_parts:
+            handle.remove()
+        self._slider_parts = []
         if values:
             with self._slider_place:
                 self._slider = self._gui.add_multi_slider("", low, high, (high - low) / _STEPS, values)
+                style = self._gui.add_html(full_width_html(self._slider, *_SLIDER_MARGINS))
+            self._slider_parts = [self._slider, style]
             on_input(self._slider, self._dispatch, self._dragged)
 
     def _draw(self, variable: Variable, term: str) -> None:
@@ -159,7 +166,13 @@ class MembershipView:
             self._chart.remove()
         with self._chart_place:
             self._chart = add_chart(
-                self._gui, lines, height=_HEIGHT, x_label=variable.name, y_range=(0.0, 1.05), data=data
+                self._gui,
+                lines,
+                height=_HEIGHT,
+                x_label=variable.name,
+                y_range=(0.0, 1.05),
+                has_legend=False,
+                data=data,
             )
 
     def _dragged(self, values: Any) -> Edit | None:
@@ -178,13 +191,18 @@ class MembershipView:
             return None
         thumb = moved[0][0]
         label = f"{variable.name}: drag {thumb.term}"
-        change = partial(_moved_all, variable=variable.name, moved=tuple(moved), mode=state.drag)
+        change = partial(
+            _moved_all, variable=variable.name, moved=tuple(moved), mode=possible_mode(variable, state.drag)
+        )
         return Edit(label, change, gesture=f"drag {variable.name} {thumb.term} {thumb.parameter}", at=time.monotonic())
 
-    def _set_parameter(self, n: int, value: object) -> Edit:
+    def _set_parameter(self, n: int, value: object) -> Edit | None:
         state = self._present()
-        shape = next(term.shape for term in chosen(state).terms if term.name == state.term)
+        variable = chosen(state)
+        shape = next(term.shape for term in variable.terms if term.name == state.term)
         cleaned = clean.number(value, -_MOST_VALUE, _MOST_VALUE, "the parameter")
+        if is_shown_as(cleaned, shapes.parameters(shape)[n]):
+            return None
         return self._edit(
             f"{state.term} {shapes.parameter_names(shape)[n]} = {cleaned:g}",
             partial(
@@ -193,7 +211,7 @@ class MembershipView:
                 term=state.term,
                 parameter=shapes.parameter_names(shape)[n],
                 value=cleaned,
-                mode=state.drag,
+                mode=possible_mode(variable, state.drag),
             ),
             gesture=f"number {state.variable} {state.term} {n}",
         )
@@ -204,10 +222,12 @@ class MembershipView:
         change = partial(edits.set_shape_kind, variable=state.variable, term=state.term, kind=kind)
         return self._edit(f"{state.variable} {state.term}: {kind}", change)
 
-    def _set_range(self, value: object, *, is_low: bool) -> Edit:
+    def _set_range(self, value: object, *, is_low: bool) -> Edit | None:
         state = self._present()
         variable = chosen(state)
         cleaned = clean.number(value, -_MOST_VALUE, _MOST_VALUE, "the range")
+        if is_shown_as(cleaned, variable.low if is_low else variable.high):
+            return None
         low, high = (cleaned, variable.high) if is_low else (variable.low, cleaned)
         change = partial(edits.set_range, variable=variable.name, low=low, high=high)
         return self._edit(f"range of {variable.name}", change, gesture=f"range {variable.name} {is_low}")
@@ -226,6 +246,17 @@ def chosen(state: AppState) -> Variable:
     return next(variable for variable in variables if variable.name == state.variable)
 
 
+def possible_mode(variable: Variable, wanted: DragMode) -> DragMode:
+    """Return how points move: curved sets have no feet that could follow, so that a partition needs straight ones."""
+    is_linear = all(isinstance(term.shape, shapes.PIECEWISE_LINEAR) for term in variable.terms)
+    return wanted if is_linear else "free"
+
+
+def is_shown_as(value: float, present: float) -> bool:
+    """Whether a number field that shows ``present`` in its few digits sent no more than these back."""
+    return abs(value - present) < 0.51 * _STEP and round(present, 3) == round(value, 3)
+
+
 def extent(variable: Variable) -> tuple[float, float]:
     """Return the part of the axis that is drawn: the range, and points of terms that lie outside."""
     points = [point for term in variable.terms for point in shapes.break_points(term.shape)]
@@ -238,11 +269,11 @@ def thumbs(variable: Variable, term: str, mode: DragMode) -> tuple[Thumb, ...]:
     In a partition of triangles and trapezoids these are the tops of all terms, since their feet follow; otherwise the
     finite points of the chosen term.
     """
-    is_linear = all(isinstance(entry.shape, shapes.PIECEWISE_LINEAR) for entry in variable.terms)
+    mode = possible_mode(variable, mode)
     found = []
     for entry in variable.terms:
         values = dict(zip(shapes.parameter_names(entry.shape), shapes.parameters(entry.shape), strict=True))
-        if mode == "partition" and is_linear:
+        if mode == "partition":
             tops = tuple(values)[1:-1]
             found += [Thumb(entry.name, name, values[name]) for name in tops]
         elif entry.name == term and isinstance(entry.shape, Gaussian):
@@ -279,13 +310,13 @@ def _legend_html(variable: Variable, chosen_term: str, value: float | None) -> s
         degree = 0.0 if inside is None else float(shapes.degrees(term.shape, inside))
         weight = "700" if term.name == chosen_term else "400"
         text = f"{escape(term.name)} {degree:.2f}" if degree > 0.0 else escape(term.name)
-        opacity = 1.0 if degree > 0.0 or inside is None else 0.55
+        opacity = 1.0 if degree > 0.0 or inside is None else 0.75
         parts.append(
             f'<span style="color:{css(term_color(n, count))};font-weight:{weight};opacity:{opacity}">{text}</span>'
         )
     now = (
         ""
         if value is None
-        else f'<br><span style="color:{MUTED}">now {escape(variable.name)} = {number(value)}{unit}</span>'
+        else f'<br><span style="color:{MUTED}">now {escape(variable.name)} = {value:.3f}{unit}</span>'
     )
     return div(" · ".join(parts) + (now or f'<br><span style="color:{MUTED}">&nbsp;</span>'))

@@ -33,7 +33,7 @@ class PlaybackView:
     def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
         self._duration = 3.0
         self._notice = gui.add_html("")
-        buttons = gui.add_button_group("arm", ("play / pause", "reset"))
+        buttons = gui.add_button_group("time", ("play / pause", "reset"))
         on_input(buttons, dispatch, self._press)
         self._time = gui.add_slider("t [s]", 0.0, self._duration, _TIME_STEP, 0.0)
         on_input(self._time, dispatch, self._scrub)
@@ -104,10 +104,11 @@ def _shown(options: dict[str, Any], value: object) -> str:
 def _notice_html(state: AppState) -> str:
     if state.progress is not None:
         return div(f"⏳ {escape(state.progress)}", f"color:{BAD}")
-    if state.notice is None:
-        return div("Paint a cell of the rule table, or drag a membership point: the arm answers.", f"color:{MUTED}")
-    color = ERROR if state.notice.is_error else GOOD
-    return div(escape(state.notice.text), f"color:{color}")
+    if state.notice is not None:
+        return div(escape(state.notice.text), f"color:{ERROR if state.notice.is_error else GOOD}")
+    if state.past:
+        return div(f"{escape(state.past[-1].label)} &nbsp;·&nbsp; Ctrl+Z takes it back", f"color:{MUTED}")
+    return div("Paint a cell of the rule table, or drag a membership point: the arm answers.", f"color:{MUTED}")
 
 
 def _status_html(state: AppState, frame: Frame) -> str:

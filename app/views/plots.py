@@ -34,9 +34,9 @@ class PlotsView:
         self._coordinate = gui.add_button_group("coordinate", ("s1",))
         on_input(self._coordinate, dispatch, self._choose)
         self._response_title = gui.add_html("")
-        self._response = add_chart(gui, _RESPONSE, height=230)
+        self._response = add_chart(gui, _RESPONSE, height=165)
         self._torque_title = gui.add_html("")
-        self._torque = add_chart(gui, _TORQUE, height=170)
+        self._torque = add_chart(gui, _TORQUE, height=115, has_legend=False)
 
     def render(self, state: AppState) -> None:
         """Redraw when a run or the chosen coordinate has changed."""
@@ -60,9 +60,9 @@ class PlotsView:
         results = [runs.pid or runs.current, runs.before or runs.current, runs.current]
         curves = [resampled(t, result.run.t, result.run.q[:, i]) for result in results]
         self._response.data = (t, *(curve * factor for curve in (target, *curves)))
-        self._response_title.content = div(f"<b>{labels[i]}</b> in {unit} over t in s")
+        self._response_title.content = div(f"<b>{labels[i]}</b> in {unit}, over t in s", "margin:0")
         self._torque.data = (t, *(resampled(t, result.run.t, result.run.output[:, i]) for result in results[1:]))
-        self._torque_title.content = div(f"<b>fuzzy output T</b> for {labels[i]} over t in s")
+        self._torque_title.content = div(f"<b>fuzzy output T</b> of {labels[i]}, over t in s", "margin:0")
 
     def _choose(self, value: object) -> Selected:
         return Selected({"coordinate": self._labels.index(clean.choice(value, self._labels, "the coordinate"))})

@@ -187,7 +187,7 @@ class _Builder:
                     pass
         return self.root
 
-    def _error(self, event: yaml.Event, message: str) -> FormatError:
+    def _error(self, event: Any, message: str) -> FormatError:
         path = self.stack[-1].node.path if self.stack else ""
         return FormatError(message, self.source, event.start_mark.line + 1, event.start_mark.column + 1, path)
 
