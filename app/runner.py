@@ -24,7 +24,7 @@ from fuzzy.inference import Controller
 from fuzzy.kernels.address import Directory
 from fuzzy.kernels.inference import call
 from fuzzy.system import FuzzySystem
-from robot.arm import Arm
+from robot.arm import Arm, parameters
 from robot.controllers import ControlLaw, FuzzyFlc
 from robot.errors import RobotError
 from robot.simulation import Run, Sample, Simulation, simulate
@@ -252,7 +252,7 @@ class Runner:
             if before is None or (before.time, before.resets) != (state.playback.time, state.playback.resets):
                 self._replay_time = state.playback.time
 
-    def frame(self, state: AppState, elapsed: float) -> Frame | None:
+    def frame(self, state: AppState, elapsed: float) -> Frame:
         """Return the present frame.
 
         Args:
@@ -262,7 +262,7 @@ class Runner:
         if state.playback.source == "live" or state.runs.current is None:
             moment = self._live.moment
             if moment is None:
-                return None
+                return _resting_frame(Arm.preset(state.setup.arm))
             sample = moment.sample
             return self._frame(moment.arm, moment.law, sample, state.coordinate, moment.factor, moment.stopped)
         run = state.runs.current.run
@@ -294,6 +294,12 @@ class Runner:
         directory = self._blocks[1]
         call(directory.address, inputs, directory.workspace.output)
         return directory.workspace.strength.copy()
+
+
+def _resting_frame(arm: Arm) -> Frame:
+    """Return an arm that hangs with unloaded springs: what there is to see before the kernels are ready."""
+    q = np.array([*parameters(arm).rest_length, *np.zeros(arm.n_modules)])
+    return Frame(arm, 0.0, q, q, np.zeros(2 * arm.n_modules), np.zeros(2), None, 0.0, None)
 
 
 def sample_at(run: Run, time_: float) -> Sample:

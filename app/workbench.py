@@ -131,8 +131,8 @@ class Workbench:
             now = time.perf_counter()
             frame = self._runner.frame(self.store.state, now - last)
             last = now
-            key = None if frame is None else (frame.t, self.store.state, len(self.server.get_clients()))
-            if frame is None or key == shown or not self.server.get_clients():
+            key = (frame.t, self.store.state, len(self.server.get_clients()))
+            if key == shown or not self.server.get_clients():
                 continue
             shown = key
             with self.server.atomic():

@@ -103,7 +103,7 @@ def _shown(options: dict[str, Any], value: object) -> str:
 
 def _notice_html(state: AppState) -> str:
     if state.progress is not None:
-        return div(f"⏳ {escape(state.progress)}", f"color:{BAD}")
+        return div(f"{escape(state.progress)} …", f"color:{BAD}")
     if state.notice is not None:
         return div(escape(state.notice.text), f"color:{ERROR if state.notice.is_error else GOOD}")
     if state.past:
@@ -113,7 +113,11 @@ def _notice_html(state: AppState) -> str:
 
 def _status_html(state: AppState, frame: Frame) -> str:
     playing = "▶" if state.playback.is_playing else "❚❚"
-    if state.playback.source == "live":
+    if frame.stopped is not None:
+        return div(escape(frame.stopped), f"color:{ERROR}")
+    if state.progress is not None:
+        what = "waiting for the kernels"
+    elif state.playback.source == "live":
         factor = f"{frame.factor:.2f}× real time" if state.playback.is_playing else "paused"
         what = f"live simulation · {factor}"
     else:

@@ -37,6 +37,9 @@ class PlotsView:
         self._response = add_chart(gui, _RESPONSE, height=165)
         self._torque_title = gui.add_html("")
         self._torque = add_chart(gui, _TORQUE, height=115, has_legend=False)
+        self._charts = (self._coordinate, self._response, self._torque)
+        for chart in self._charts:
+            chart.visible = False
 
     def render(self, state: AppState) -> None:
         """Redraw when a run or the chosen coordinate has changed."""
@@ -45,6 +48,8 @@ class PlotsView:
         if runs.current is None or (self._shown and all(a is b for a, b in zip(shown, self._shown, strict=True))):
             return
         self._shown = shown
+        for chart in self._charts:
+            chart.visible = True
         current = runs.current.run
         arm = current.arm
         labels = tuple(coordinate_label(name) for name in arm.coordinates)
