@@ -11,11 +11,11 @@ import numpy as np
 from fuzzy.inference import Controller
 from fuzzy.kernels.address import Directory, workspace_at
 from fuzzy.kernels.inference import evaluate
-from fuzzy.kernels.jit import kernel
 from robot.arm import Arm
 from robot.controllers.base import Array, Law, checked_gains, law
 from robot.controllers.feedback_linearization import DAMPING_RATIO, NATURAL_FREQUENCY, placed
 from robot.errors import InvalidControllerError
+from robot.kernels.jit import counting_kernel
 
 ERROR_GAIN = 4.0
 """Default GE times the step: an error of a quarter of the step reaches the end of the range [-1, 1]."""
@@ -125,7 +125,7 @@ class FuzzyFlc(msgspec.Struct, frozen=True):
         return self.inference.directory()
 
 
-@kernel
+@counting_kernel
 def fuzzy_blocks(
     address: int, scale: Array, e: Array, de: Array, x: Array, block: Array, output: Array, activity: Array
 ) -> None:

@@ -61,6 +61,13 @@ class State(NamedTuple):
     """(2N, n_rules) largest firing strength of every rule so far."""
 
 
+class Following(NamedTuple):
+    """The state after the present step, until it is known to be finite and within reach; (2N,) each."""
+
+    q: Array
+    dq: Array
+
+
 class Log(NamedTuple):
     """A ring of the last control steps; step number k is in row k modulo the number of rows."""
 
@@ -110,25 +117,16 @@ def run(
     work = dynamics.new_workspace(size // 2)
     stages = integration.new_stages(size)
     signals = control.new_signals(size)
-    q = np.empty(size)
-    dq = np.empty(size)
-    for k in range(first, first + count):
-        control.observe(loop.reference, k * loop.step, state.q, state.dq, signals)
-        if loop.law.fuzzy:
-            fuzzy_blocks(
-                address, loop.law.scale, signals.e, signals.de, signals.x, signals.block, state.output, state.activity
-            )
-        signal, coordinate = _step(loop, k, noise, first_sample, state, log, work, stages, signals, q, dq)
-        if signal != RUNNING:
-            is_logged = signal in (POSITION, VELOCITY)
-            return k - first + int(is_logged), signal, coordinate
-    return count, RUNNING, 0
+    following = Following(np.empty(size), np.empty(size))
+    return _run(loop, address, first, count, noise, first_sample, state, log, work, stages, signals, following)
 
 
 @borrowing_kernel
-def _step(
+def _run(
     loop: Loop,
-    k: int,
+    address: int,
+    first: int,
+    count: int,
     noise: Array,
     first_sample: int,
     state: State,
@@ -136,51 +134,51 @@ def _step(
     work: Workspace,
     stages: Stages,
     signals: Signals,
-    q: Array,
-    dq: Array,
-) -> tuple[int, int]:
-    """Act on what was observed, log it and move the arm; return which signal of which coordinate stops the run.
-
-    q and dq (2N,) are overwritten; the state changes only if the new one is finite and within reach.
-    """
-    size = state.q.size
-    dynamics.directions(state.q, work)
-    control.control(loop.law, loop.model, state.q, state.dq, state.integral, state.output, work, signals)
-    for i in range(size):
-        if not math.isfinite(state.output[i]):
-            return FUZZY_OUTPUT, i
-    for i in range(size):
-        if not math.isfinite(signals.Q[i]):
-            return FORCE, i
-    control.actuate(loop.model, loop.reading, loop.lower, loop.upper, state.q, work, signals)
-    disturbance = noise[k // loop.hold - first_sample]
-    _write(k % log.q.shape[0], state, signals, disturbance, log)
-    control.integrate_error(loop.law, loop.step, signals, state.integral)
-    for i in range(size):
-        q[i] = state.q[i]
-        dq[i] = state.dq[i]
-    integration.advance(
-        loop.plant,
-        loop.reading,
-        q,
-        dq,
-        signals.tau,
-        disturbance,
-        loop.load,
-        loop.step,
-        loop.substeps,
-        work,
-        stages,
-    )
-    for i in range(size):
-        if not abs(q[i]) <= loop.reach[i]:
-            return POSITION, i
-        if not math.isfinite(dq[i]):
-            return VELOCITY, i
-    for i in range(size):
-        state.q[i] = q[i]
-        state.dq[i] = dq[i]
-    return RUNNING, 0
+    following: Following,
+) -> tuple[int, int, int]:
+    """Do what ``run`` says, with all memory given."""
+    for k in range(first, first + count):
+        control.observe(loop.reference, k * loop.step, state.q, state.dq, signals)
+        if loop.law.fuzzy:
+            fuzzy_blocks(
+                address, loop.law.scale, signals.e, signals.de, signals.x, signals.block, state.output, state.activity
+            )
+        dynamics.directions(state.q, work)
+        control.control(loop.law, loop.model, state.q, state.dq, state.integral, state.output, work, signals)
+        for i in range(state.q.size):
+            if not math.isfinite(state.output[i]):
+                return k - first, FUZZY_OUTPUT, i
+            if not math.isfinite(signals.Q[i]):
+                return k - first, FORCE, i
+        control.actuate(loop.model, loop.reading, loop.lower, loop.upper, state.q, work, signals)
+        disturbance = noise[k // loop.hold - first_sample]
+        _write(k % log.q.shape[0], state, signals, disturbance, log)
+        control.integrate_error(loop.law, loop.step, signals, state.integral)
+        for i in range(state.q.size):
+            following.q[i] = state.q[i]
+            following.dq[i] = state.dq[i]
+        integration.advance(
+            loop.plant,
+            loop.reading,
+            following.q,
+            following.dq,
+            signals.tau,
+            disturbance,
+            loop.load,
+            loop.step,
+            loop.substeps,
+            work,
+            stages,
+        )
+        for i in range(state.q.size):
+            if not abs(following.q[i]) <= loop.reach[i]:
+                return k - first + 1, POSITION, i
+            if not math.isfinite(following.dq[i]):
+                return k - first + 1, VELOCITY, i
+        for i in range(state.q.size):
+            state.q[i] = following.q[i]
+            state.dq[i] = following.dq[i]
+    return count, RUNNING, 0
 
 
 @borrowing_kernel

@@ -61,11 +61,13 @@ class Workspace(NamedTuple):
     cosine: Array
     """cos phi, written by ``directions``."""
     along: Array
-    """Articulated inertia d·A d; in ``rigid_body_force``, acceleration of the mass along n1."""
+    """1 / (d·A d) of the tail's articulated inertia A; in ``rigid_body_force``, acceleration of the mass along n1."""
     across: Array
-    """Articulated inertia d·A n; in ``rigid_body_force``, acceleration of the mass along n3."""
+    """(d·A n) / (d·A d); in ``rigid_body_force``, acceleration of the mass along n3."""
     effective: Array
     """Inertia that the link's end shows across the link while it is free to slide."""
+    turning: Array
+    """1 / inertia of the link about its start, with the rod it starts from."""
     remaining: Array
     """Force across the link that is left when the link slides freely."""
     bias: Array
@@ -75,7 +77,16 @@ class Workspace(NamedTuple):
 @kernel
 def new_workspace(n: int) -> Workspace:
     """Return a workspace for ``n`` modules; allocate it once a run."""
-    return Workspace(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
+    return Workspace(
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+        np.empty(n),
+    )
 
 
 @borrowing_kernel
@@ -195,16 +206,16 @@ def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array
         c3 -= mass * arm.gravity + load[k, 1]
         d_n = sine * next_cosine - cosine * next_sine
         n_n = cosine * next_cosine + sine * next_sine
-        along = mass + beta * d_n * d_n
-        across = beta * d_n * n_n
+        along = 1.0 / (mass + beta * d_n * d_n)
+        across = beta * d_n * n_n * along
         bias = c1 * sine + c3 * cosine
         work.along[k] = along
         work.across[k] = across
         work.bias[k] = bias
         if k == 0:
             break
-        effective = mass * (mass + beta) / along
-        remaining = c1 * cosine - c3 * sine + across / along * (Q[k] - bias)
+        effective = mass * (mass + beta) * along
+        remaining = c1 * cosine - c3 * sine + across * (Q[k] - bias)
         work.effective[k] = effective
         work.remaining[k] = remaining
         s = q[k]
@@ -212,6 +223,7 @@ def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array
         # Absolute angles: the force on psi_(k-1) is what the joint before rod k-1 gives less what the next one takes.
         torque = Q[n + k - 1] - Q[n + k]
         share = 1.0 / (rod + effective * s * s)
+        work.turning[k] = share
         beta = rod * effective * share
         lateral = beta * 2.0 * dq[k] * w + (rod * remaining + effective * s * torque) * share
         c1 = Q[k] * sine + lateral * cosine
@@ -219,7 +231,7 @@ def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array
         next_sine = sine
         next_cosine = cosine
         w -= dq[n + k - 1]
-    ddq[0] = (Q[0] - work.bias[0]) / work.along[0]
+    ddq[0] = (Q[0] - work.bias[0]) * work.along[0]
     a1 = ddq[0] * work.sine[0]
     a3 = ddq[0] * work.cosine[0]
     w = 0.0
@@ -231,11 +243,10 @@ def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array
         w += dq[n + k - 1]
         lateral = a1 * cosine - a3 * sine + 2.0 * dq[k] * w
         radial = a1 * sine + a3 * cosine - s * w * w
-        effective = work.effective[k]
-        torque = Q[n + k - 1] - Q[n + k] - s * (work.remaining[k] + effective * lateral)
-        turn = torque / (arm.inertia[k - 1] + effective * s * s)
+        torque = Q[n + k - 1] - Q[n + k] - s * (work.remaining[k] + work.effective[k] * lateral)
+        turn = torque * work.turning[k]
         lateral += s * turn
-        slide = (Q[k] - work.bias[k] - work.across[k] * lateral) / work.along[k]
+        slide = (Q[k] - work.bias[k]) * work.along[k] - work.across[k] * lateral
         ddq[k] = slide - radial
         ddq[n + k - 1] = turn - previous
         previous = turn
