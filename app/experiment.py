@@ -45,6 +45,19 @@ def prepare(setup: Setup, controller: Controller, law: str | None = None) -> Exp
         RobotError: A name that is not known.
     """
     arm = Arm.preset(setup.arm)
-    disturbance = DISTURBANCES[setup.disturbance]
-    scenario = msgspec.structs.replace(Scenario.preset(setup.scenario), disturbance=disturbance)
-    return Experiment(arm, controllers.default(law or setup.controller, arm, scenario, controller), scenario)
+    scenario = scenario_of(setup)
+    name = law or setup.controller
+    wanted = controllers.default(name, arm, scenario, controller, natural_frequency=setup.natural_frequency)
+    return Experiment(arm, wanted, scenario)
+
+
+def scenario_of(setup: Setup) -> Scenario:
+    """Return the scenario of a setup, with its disturbance."""
+    return msgspec.structs.replace(Scenario.preset(setup.scenario), disturbance=DISTURBANCES[setup.disturbance])
+
+
+def natural_frequency(setup: Setup) -> float | None:
+    """Return the natural frequency of the setup's control law, rad/s; None for one that has none."""
+    if setup.controller == "pid":
+        return None
+    return setup.natural_frequency or controllers.default_natural_frequency(scenario_of(setup))

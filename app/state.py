@@ -45,6 +45,7 @@ class Setup(msgspec.Struct, frozen=True):
     controller: str = "fuzzy_flc"
     scenario: str = "step"
     disturbance: str = "none"
+    natural_frequency: float | None = None  # rad/s; None is what the scenario asks for
 
 
 class Playback(msgspec.Struct, frozen=True):
@@ -152,7 +153,7 @@ class Selected(msgspec.Struct, frozen=True):
 class SetupChanged(msgspec.Struct, frozen=True):
     """Change the experiment, by name."""
 
-    changes: dict[str, str]
+    changes: dict[str, Any]
 
 
 class PlaybackChanged(msgspec.Struct, frozen=True):
@@ -239,7 +240,9 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
         case Selected():
             return _with_valid_selection(_replace(state, **event.changes))
         case SetupChanged():
-            setup = _replace(state.setup, **event.changes)
+            # Another disturbance asks for another bandwidth; one that was chosen by hand was chosen for the old one.
+            reset = {"natural_frequency": None} if "disturbance" in event.changes else {}
+            setup = _replace(state.setup, **(reset | event.changes))
             # The runs before belong to another experiment: nothing to compare with.
             return _replace(state, setup=setup, runs=_replace(state.runs, before=None))
         case PlaybackChanged():

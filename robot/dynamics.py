@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robot.arm import Arm, parameters
 from robot.errors import NoEquilibriumError, RobotError
-from robot.kernels import actuation
+from robot.kernels import actuation, matrices
 from robot.kernels import dynamics as kernels
 
 Array = NDArray[np.float64]
@@ -44,7 +44,7 @@ def mass_matrix(arm: Arm, q: ArrayLike) -> Array:
     """Return D(q) (2N, 2N), symmetric positive definite; equation (15) with its errata."""
     position = _coordinates(arm, q, "q")
     D = np.empty((position.size, position.size))
-    kernels.mass_matrix(parameters(arm), position, _directions(position), D)
+    matrices.mass_matrix(parameters(arm), position, _directions(position), D)
     return D
 
 
@@ -52,7 +52,7 @@ def coriolis_matrix(arm: Arm, q: ArrayLike, dq: ArrayLike) -> Array:
     """Return the Christoffel matrix C(q, q̇) (2N, 2N), for which Ḋ - 2C is skew."""
     position = _coordinates(arm, q, "q")
     C = np.empty((position.size, position.size))
-    kernels.coriolis_matrix(parameters(arm), position, _coordinates(arm, dq, "dq"), _directions(position), C)
+    matrices.coriolis_matrix(parameters(arm), position, _coordinates(arm, dq, "dq"), _directions(position), C)
     return C
 
 
@@ -95,7 +95,7 @@ def stiffness_matrix(arm: Arm, q: ArrayLike) -> Array:
     """Return ∂G/∂q (2N, 2N), symmetric."""
     position = _coordinates(arm, q, "q")
     K = np.empty((position.size, position.size))
-    kernels.stiffness_matrix(parameters(arm), position, _directions(position), K)
+    matrices.stiffness_matrix(parameters(arm), position, _directions(position), K)
     return K
 
 
@@ -161,7 +161,7 @@ def actuator_forces(arm: Arm, q: ArrayLike, generalized_force: ArrayLike, readin
 def energy(arm: Arm, q: ArrayLike, dq: ArrayLike) -> Energy:
     """Return the kinetic and potential energy; equations (4) and (5) corrected."""
     position = _coordinates(arm, q, "q")
-    return Energy(*kernels.energy(parameters(arm), position, _coordinates(arm, dq, "dq"), _directions(position)))
+    return Energy(*matrices.energy(parameters(arm), position, _coordinates(arm, dq, "dq"), _directions(position)))
 
 
 @functools.lru_cache(maxsize=256)

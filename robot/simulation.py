@@ -20,8 +20,8 @@ from robot.scenario import STEP, Scenario, Sinus, Step
 
 Array = NDArray[np.float64]
 
-REACH = 100.0
-"""A module longer than so many rest lengths, or bent by so many radians, has run away."""
+REACH = 10.0
+"""A module longer than so many of the longest rest length, or bent by so many radians, has run away."""
 
 _SIGNALS: tuple[Literal["fuzzy output", "control force", "position", "velocity"], ...] = (
     "fuzzy output",

@@ -34,6 +34,7 @@ def simulate(
         tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="NAME=+P%", help_behavior_hint="")
     ] = (),
     disturbance: Annotated[str | None, tyro.conf.arg(metavar="NAME", help_behavior_hint="")] = None,
+    natural_frequency: Annotated[float | None, tyro.conf.arg(metavar="W", help_behavior_hint="")] = None,
     seed: Annotated[int, tyro.conf.arg(metavar="N")] = 0,
     output: Annotated[Path | None, tyro.conf.arg(metavar="RUN.csv|.npz", help_behavior_hint="")] = None,
     plot: Annotated[Path | None, tyro.conf.arg(metavar="RUN.png", help_behavior_hint="")] = None,
@@ -51,6 +52,7 @@ def simulate(
         mismatch: How the real arm differs from the one the controller knows: stiffness=+30%, mass=-10% or damping=...;
             may be given several times.
         disturbance: none or force_noise; by default as the scenario says.
+        natural_frequency: Of the feedback linearization's error dynamics, rad/s; by default 12, and 217 under noise.
         seed: Of the disturbance's random numbers.
         output: Write the whole run, one row a millisecond.
         plot: Draw positions, references and forces over time.
@@ -65,7 +67,8 @@ def simulate(
     from robot.errors import RobotError
 
     try:
-        run, wall = _run(rulebase, controller, arm, _scenario(scenario, disturbance, seed, mismatch))
+        asked = _scenario(scenario, disturbance, seed, mismatch)
+        run, wall = _run(rulebase, controller, arm, asked, natural_frequency)
     except RobotError as error:
         raise failure(str(error)) from None
     metrics = run.metrics()
@@ -130,20 +133,22 @@ def _mismatch(words: tuple[str, ...]) -> Mismatch:
     return Mismatch(**factors)
 
 
-def _run(rulebase: Path | None, controller: str, arm_name: str, scenario: Scenario) -> tuple[Run, float]:
+def _run(
+    rulebase: Path | None, controller: str, arm_name: str, scenario: Scenario, natural_frequency: float | None
+) -> tuple[Run, float]:
     """Return the run and how long it took, without the compilation of kernels."""
     from robot.arm import Arm
     from robot.simulation import Simulation, simulate
 
     arm = Arm.preset(arm_name)
-    law = _law(rulebase, controller, arm, scenario)
+    law = _law(rulebase, controller, arm, scenario, natural_frequency)
     Simulation(arm, law, scenario).advance(1)
     begin = time.perf_counter()
     run = simulate(arm, law, scenario)
     return run, time.perf_counter() - begin
 
 
-def _law(rulebase: Path | None, name: str, arm: Arm, scenario: Scenario) -> ControlLaw:
+def _law(rulebase: Path | None, name: str, arm: Arm, scenario: Scenario, natural_frequency: float | None) -> ControlLaw:
     from app.commands.serve import SHIPPED
     from fuzzy.formats import load
     from fuzzy.inference import compile_system
@@ -151,7 +156,7 @@ def _law(rulebase: Path | None, name: str, arm: Arm, scenario: Scenario) -> Cont
 
     needs_rules = rulebase is not None or name.startswith("fuzzy")
     compiled = compile_system(load(rulebase or SHIPPED)) if needs_rules else None
-    return controllers.default(name, arm, scenario, compiled)
+    return controllers.default(name, arm, scenario, compiled, natural_frequency=natural_frequency)
 
 
 UNITS = {

@@ -25,6 +25,8 @@ _CONTROLLERS = {
     "pid": "pid · does not use the rules",
 }
 _TIME_STEP = 0.01
+_FREQUENCIES = (1.0, 500.0)
+"""Natural frequencies that a controller at 1 kHz can have, rad/s."""
 
 
 class PlaybackView:
@@ -45,6 +47,8 @@ class PlaybackView:
         for field, options in _setup_options().items():
             self._setup[field] = gui.add_dropdown(field, tuple(options))
             on_input(self._setup[field], dispatch, partial(_setup_event, field, options))
+        self._frequency = gui.add_number("ωn [rad/s]", 1.0, step=1.0, hint="Natural frequency of the error dynamics")
+        on_input(self._frequency, dispatch, _frequency_event)
         self._status = gui.add_html("")
         self._state: AppState | None = None
 
@@ -56,6 +60,10 @@ class PlaybackView:
         self._speed.value = _shown(_SPEEDS, playback.speed)
         for field, options in _setup_options().items():
             self._setup[field].value = _shown(options, getattr(state.setup, field))
+        frequency = experiment.natural_frequency(state.setup)
+        self._frequency.visible = frequency is not None
+        if frequency is not None:
+            self._frequency.value = frequency
         if state.runs.current is not None:
             self._duration = state.runs.current.run.scenario.duration
             self._time.max = self._duration
@@ -95,6 +103,10 @@ def _setup_options() -> dict[str, dict[str, str]]:
 
 def _setup_event(field: str, options: dict[str, str], value: object) -> SetupChanged:
     return SetupChanged({field: options[clean.choice(value, options, f"the {field}")]})
+
+
+def _frequency_event(value: object) -> SetupChanged:
+    return SetupChanged({"natural_frequency": clean.number(value, *_FREQUENCIES, "the natural frequency")})
 
 
 def _shown(options: dict[str, Any], value: object) -> str:

@@ -10,7 +10,10 @@ from robot.arm import Arm
 from robot.controllers.base import Law, checked_gains, law
 
 NATURAL_FREQUENCY = 12.0
-"""Default natural frequency of the error, rad/s."""
+"""Default natural frequency of the error where nothing disturbs the arm, rad/s."""
+
+DISTURBED_NATURAL_FREQUENCY = 217.0
+"""Default natural frequency under noise on the forces, rad/s; with it the standard step overshoots by about 2 %."""
 
 DAMPING_RATIO = 1.0
 """Default damping ratio of the error."""
