@@ -26,7 +26,7 @@ def warm_up(document: FuzzySystem, post: Callable[[Event], None]) -> None:
         post: Receives the progress, and the news that all is ready.
     """
     for number, (name, step) in enumerate(_STEPS, 1):
-        text = f"Compiling kernels, {number} of {len(_STEPS)}: {name} (on the first start only)"
+        text = f"Compiling kernels, {number} of {len(_STEPS)}: {name} (once after an installation or update)"
         post(Progressed(text))
         say = threading.Timer(_NOTEWORTHY, print, (text,), {"file": sys.stderr, "flush": True})
         say.start()

@@ -54,7 +54,7 @@ class PlaybackView:
 
     def render(self, state: AppState) -> None:
         """Show the experiment and the notice."""
-        self._state = state
+        before, self._state = self._state, state
         playback = state.playback
         self._source.value = _shown(_SOURCES, playback.source)
         self._speed.value = _shown(_SPEEDS, playback.speed)
@@ -68,7 +68,11 @@ class PlaybackView:
             self._duration = state.runs.current.run.scenario.duration
             self._time.max = self._duration
         if not playback.is_playing and playback.source == "replay":
-            self._time.value = min(playback.time, self._duration)
+            time = min(playback.time, self._duration)
+            if before is not None and before.playback.is_playing:
+                # Frames that were on their way have moved the browser's slider since: equal values would not be sent.
+                self._time.value = time + _TIME_STEP / 2
+            self._time.value = time
         self._notice.content = _notice_html(state)
 
     def show(self, frame: Frame) -> None:

@@ -34,7 +34,7 @@ class PlotsView:
         self._coordinate = gui.add_button_group("coordinate", ("s1",))
         on_input(self._coordinate, dispatch, self._choose)
         self._response_title = gui.add_html("")
-        self._response = add_chart(gui, _RESPONSE, height=165)
+        self._response = add_chart(gui, _RESPONSE, height=165, has_legend=False)
         self._torque_title = gui.add_html("")
         self._torque = add_chart(gui, _TORQUE, height=115, has_legend=False)
         self._charts = (self._coordinate, self._response, self._torque)
@@ -65,9 +65,18 @@ class PlotsView:
         results = [runs.pid or runs.current, runs.before or runs.current, runs.current]
         curves = [resampled(t, result.run.t, result.run.q[:, i]) for result in results]
         self._response.data = (t, *(curve * factor for curve in (target, *curves)))
-        self._response_title.content = div(f"<b>{labels[i]}</b> in {unit}, over t in s", "margin:0")
+        self._response_title.content = _title_html(f"{labels[i]} in {unit}", _RESPONSE)
         self._torque.data = (t, *(resampled(t, result.run.t, result.run.output[:, i]) for result in results[1:]))
-        self._torque_title.content = div(f"<b>fuzzy output T</b> of {labels[i]}, over t in s", "margin:0")
+        self._torque_title.content = _title_html(f"fuzzy output T of {labels[i]}", _TORQUE)
 
     def _choose(self, value: object) -> Selected:
         return Selected({"coordinate": self._labels.index(clean.choice(value, self._labels, "the coordinate"))})
+
+
+def _title_html(title: str, lines: tuple[Line, ...]) -> str:
+    """Return a chart's title with its legend: the chart's own takes two lines and shows values that nobody reads."""
+    legend = " ".join(
+        f'<span style="color:{line.color};white-space:nowrap">{"┄" if line.dash else "━"} {line.label}</span>'
+        for line in reversed(lines)
+    )
+    return div(f"<b>{title}</b> over t in s &nbsp; {legend}", "margin:0")
