@@ -18,6 +18,8 @@ from fuzzy import edits
 _STEPS = 12
 """Steps of the history that are shown."""
 _MOST_NOTES = 20_000
+_ACTIONS = ("save", "reload")
+_STEPPING = ("undo", "redo")
 
 
 class FilesView:
@@ -28,18 +30,18 @@ class FilesView:
         self._state: AppState | None = None
         self._current = gui.add_html("")
         self._file: Any = gui.add_dropdown("open", ("",), hint="Opens at once; undo brings back what was open before.")
-        actions = gui.add_button_group("file", ("save", "reload"))
+        actions = gui.add_button_group("file", _ACTIONS)
         self._name = gui.add_text("new name", "")
         save_as = gui.add_button("Save under the new name", icon=viser.Icon.DEVICE_FLOPPY)
         self._notes = gui.add_text("notes", "", multiline=True)
-        history = gui.add_button_group("history", ("undo", "redo"))
+        history = gui.add_button_group("history", _STEPPING)
         self._steps = gui.add_html("")
         on_input(self._file, dispatch, self._open)
-        on_input(actions, dispatch, lambda which: self.save() if which == "save" else self._reload())
+        on_input(actions, dispatch, self._act)
         on_input(self._name, dispatch, lambda name: Selected({"new_name": clean.text(name, clean.MAX_NAME)}))
         on_input(save_as, dispatch, lambda _: self._save_as())
         on_input(self._notes, dispatch, _noted)
-        on_input(history, dispatch, lambda which: Undo() if which == "undo" else Redo())
+        on_input(history, dispatch, lambda which: Undo() if clean.choice(which, _STEPPING) == "undo" else Redo())
 
     def render(self, state: AppState) -> None:
         """Show which file is open, whether it is saved, and the steps that can be undone."""
@@ -69,6 +71,9 @@ class FilesView:
         except StorageError as error:
             return _failed(f"Not saved: {error}")
         return Saved(state.document, state.file, stamp, self._storage.names())
+
+    def _act(self, value: object) -> Event:
+        return self.save() if clean.choice(value, _ACTIONS, "the action") == "save" else self._reload()
 
     def _save_as(self) -> Event:
         state = self._present()

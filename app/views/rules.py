@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import viser
 
-from app import grid
+from app import clean, grid
 from app.palette import BAD, ERROR, MUTED
 from app.runner import Frame
 from app.state import AppState, Edit, Selected
@@ -33,7 +33,7 @@ class RulesView:
         self._gui = gui
         self._dispatch = dispatch
         self._state: AppState | None = None
-        self._shape: tuple[int, int, int] | None = None
+        self._terms: tuple[tuple[str, ...], ...] = ()
         self._numbers = np.empty((0, 0), dtype=np.int64)
         self._brush_buttons: grid.HiddenButtons | None = None
         self._cell_buttons: grid.HiddenButtons | None = None
@@ -42,12 +42,12 @@ class RulesView:
         self._table = gui.add_html("")
         self._glow = gui.add_html("")
         fill = gui.add_button_group("Fill", tuple(_FILLS))
-        on_input(fill, dispatch, lambda name: Edit(f"fill the table: {name}", _FILLS[name]))
+        on_input(fill, dispatch, _filled)
         self._findings = gui.add_html("")
         self._hidden = gui.add_folder(None)
 
     def render(self, state: AppState) -> None:
-        """Show the document's table; rebuild the buttons only when it has another size."""
+        """Show the document's table; rebuild the buttons only when it has other terms."""
         before, self._state = self._state, state
         table = state.document.rules.table
         if table is None:
@@ -83,16 +83,16 @@ class RulesView:
         if activity is not None and len(activity) > numbers.max(initial=-1):
             silent = (numbers >= 0) & (activity[numbers] <= 0.0)
         strengths = np.zeros(numbers.shape)
-        if frame.strength is not None and len(frame.strength) > numbers.max(initial=-1):
+        if frame.strength is not None and frame.strength.size > max(numbers.max(initial=-1), 0):
             strengths = np.where(numbers >= 0, frame.strength[numbers], 0.0)
         self._glow.content = grid.glow_html(strengths.round(2).tolist(), silent.tolist())
 
     def _ensure_buttons(self, rows: Variable, columns: Variable, output: Variable) -> None:
-        """Make as many hidden buttons as there are cells and brushes."""
-        shape = (len(rows.terms), len(columns.terms), len(output.terms))
-        if shape == self._shape:
+        """Make a hidden button for every cell and brush, named after the terms."""
+        terms = tuple(tuple(term.name for term in variable.terms) for variable in (rows, columns, output))
+        if terms == self._terms:
             return
-        self._shape = shape
+        self._terms = terms
         for buttons in (self._brush_buttons, self._cell_buttons):
             if buttons is not None:
                 buttons.remove()
@@ -126,6 +126,11 @@ class RulesView:
         if table is None:
             return []
         return [term.name for term in _variables(self._state.document, table)[2].terms]
+
+
+def _filled(value: object) -> Edit:
+    name = clean.choice(value, _FILLS, "the pattern")
+    return Edit(f"fill the table: {name}", _FILLS[name])
 
 
 def _variables(system: FuzzySystem, table: RuleTable) -> tuple[Variable, Variable, Variable]:
