@@ -1,0 +1,303 @@
+"""The whole workbench in a real Chromium: what a hand does in the panels, the arm answers.
+
+One workbench and one page serve all tests of this file. Every test starts from what it finds and compares with that.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, expect
+
+from fuzzy.formats import load
+from fuzzy.system import RuleTable
+from tests.e2e.harness import (
+    HIDE_SOFTWARE_RENDERER,
+    LOAD_TIMEOUT_MS,
+    ROOT,
+    Workbench,
+    running_workbench,
+    settle,
+    wait_until_ready,
+)
+
+ANSWER_MS = 20_000
+"""How long a busy machine may take for what takes a tenth of a second."""
+
+Metrics = dict[str, str]
+
+
+@pytest.fixture(scope="module")
+def workbench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workbench]:
+    folder = Path(shutil.copytree(ROOT / "rulebases", tmp_path_factory.mktemp("workbench") / "rulebases"))
+    with running_workbench(folder) as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def complaints() -> list[str]:
+    """What the page complained about: exceptions, and errors on its console."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def page(workbench: Workbench, browser: Browser, complaints: list[str]) -> Iterator[Page]:
+    context = browser.new_context(viewport={"width": 1600, "height": 900})
+    context.add_init_script(HIDE_SOFTWARE_RENDERER)
+    context.set_default_timeout(ANSWER_MS)
+    opened = context.new_page()
+
+    def hear(message: ConsoleMessage) -> None:
+        if message.type == "error":
+            complaints.append(message.text)
+
+    opened.on("console", hear)
+    opened.on("pageerror", lambda error: complaints.append(str(error)))
+    opened.goto(workbench.url, wait_until="domcontentloaded", timeout=LOAD_TIMEOUT_MS)
+    wait_until_ready(opened)
+    choose_tab(opened, "Metrics")
+    # A first start compiles the kernels.
+    expect(opened.locator("#overshoot-now")).to_have_count(1, timeout=2 * LOAD_TIMEOUT_MS)
+    yield opened
+    context.close()
+
+
+@pytest.fixture(autouse=True)
+def nothing_went_wrong(workbench: Workbench, page: Page, complaints: list[str]) -> Iterator[None]:
+    yield
+    assert complaints == []
+    assert workbench.process.poll() is None
+    printed = workbench.log.read_text(errors="replace")
+    assert "Traceback" not in printed
+    assert "left out" not in printed
+
+
+def choose_tab(page: Page, name: str) -> None:
+    tab = page.get_by_role("tab", name=name, exact=True)
+    tab.click()
+    expect(tab).to_have_attribute("aria-selected", "true")
+
+
+def column(page: Page, which: str) -> Metrics:
+    """Return what a column of the metrics' table shows: now, before or PID."""
+    script = """which => Object.fromEntries(
+        [...document.querySelectorAll(`td[id$="-${which}"]`)].map(cell => [cell.id.split("-")[0], cell.textContent]))"""
+    found = page.evaluate(script, which)
+    assert found, "no metrics in the page"
+    return found
+
+
+def changed(page: Page, before: Metrics) -> Metrics:
+    """Wait until other metrics are shown, and return them."""
+    return until(lambda: column(page, "now"), lambda now: now != before, "other metrics")
+
+
+def restored(page: Page, expected: Metrics) -> None:
+    """Wait until the metrics are ``expected`` again."""
+    until(lambda: column(page, "now"), lambda now: now == expected, f"the metrics {expected}")
+
+
+def until(look: Callable[[], Metrics], holds: Callable[[Metrics], bool], what: str) -> Metrics:
+    deadline = time.monotonic() + ANSWER_MS / 1000
+    while True:
+        found = look()
+        if holds(found):
+            return found
+        if time.monotonic() > deadline:
+            pytest.fail(f"waited for {what}, found {found}")
+        time.sleep(0.03)
+
+
+def simulated_time(page: Page) -> float:
+    """Return the time that the Run panel shows."""
+    text = page.get_by_text(re.compile(r"t = \d+\.\d+ s")).first.inner_text()
+    found = re.search(r"t = (\d+\.\d+) s", text)
+    assert found, text
+    return float(found[1])
+
+
+def wait_for_motion(page: Page) -> None:
+    start = simulated_time(page)
+    until(lambda: {"t": f"{simulated_time(page)}"}, lambda t: float(t["t"]) != start, "the arm to move")
+
+
+def table_on_disk(workbench: Workbench) -> RuleTable:
+    table = load(workbench.folder / "diagonal.yaml").rules.table
+    assert table is not None
+    return table
+
+
+def brush_other_than(page: Page, cell: Locator) -> str:
+    """Choose a brush whose term a cell does not show, and return the term."""
+    present = cell.inner_text()
+    number = 6 if present != "LR" else 5
+    brush = page.locator(f"#brush{number}")
+    brush.click()
+    expect(brush).to_have_attribute("style", re.compile("outline:"))
+    return brush.inner_text()
+
+
+def put_arm_at(page: Page, seconds: str) -> None:
+    """Show the run at a time, standing still."""
+    field = page.get_by_role("textbox").and_(page.locator("input[inputmode=decimal]"))
+    beside = page.get_by_role("slider").locator("xpath=ancestor::div[.//input[@inputmode='decimal']][1]").locator(field)
+    beside.first.fill(seconds)
+    beside.first.press("Enter")
+    until(lambda: {"t": f"{simulated_time(page):g}"}, lambda t: t["t"] == f"{float(seconds):g}", f"t = {seconds} s")
+    beside.first.evaluate("field => field.blur()")
+
+
+def play_live(page: Page) -> None:
+    choose(page, "source", "live simulation")
+    start = simulated_time(page)
+    page.get_by_role("button", name="play / pause").click()
+    until(lambda: {"t": f"{simulated_time(page)}"}, lambda t: float(t["t"]) != start, "the arm to move")
+
+
+def choose(page: Page, label: str, option: str) -> None:
+    """Choose an option of a dropdown."""
+    field = page.get_by_role("combobox", name=label, exact=True)
+    field.click()
+    page.get_by_role("option", name=option, exact=True).locator("visible=true").click()
+    expect(field).to_have_value(option)
+
+
+def test_the_first_page(page: Page, shot: Callable[[str], Path]) -> None:
+    choose_tab(page, "Plots")
+    expect(page.locator('[id^="cell"]')).to_have_count(49)
+    expect(page.locator("#cell0-0")).to_have_text("LL")
+    wait_for_motion(page)
+    put_arm_at(page, "0.16")
+    picture = shot("workbench")
+    assert picture.stat().st_size > 50_000
+    play_live(page)
+
+
+def test_painting_a_cell_changes_the_metrics_and_undo_restores_them(page: Page, shot: Callable[[str], Path]) -> None:
+    choose_tab(page, "Rules")
+    choose_tab(page, "Metrics")
+    first = column(page, "now")
+    cell = page.locator("#cell3-3")
+    was = cell.inner_text()
+    term = brush_other_than(page, cell)
+    cell.click()
+    expect(cell).to_have_text(term)
+    painted = changed(page, first)
+    assert column(page, "before") == first
+    shot("rules")
+
+    page.keyboard.press("Control+z")
+    expect(cell).to_have_text(was)
+    restored(page, first)
+    page.keyboard.press("Control+Shift+Z")
+    expect(cell).to_have_text(term)
+    restored(page, painted)
+    page.keyboard.press("Control+z")
+    restored(page, first)
+
+
+def test_saving_writes_the_new_term(page: Page, workbench: Workbench, shot: Callable[[str], Path]) -> None:
+    choose_tab(page, "Rules")
+    cell = page.locator("#cell1-6")
+    before = table_on_disk(workbench)
+    term = brush_other_than(page, cell)
+    assert before.cells[1][6] != term
+    cell.click()
+    expect(cell).to_have_text(term)
+    choose_tab(page, "Files")
+    expect(page.get_by_text("not saved")).to_be_visible()
+    shot("files")
+    page.keyboard.press("Control+s")
+    expect(page.get_by_text("Saved diagonal.yaml.")).to_be_visible()
+    expect(page.get_by_text("not saved")).to_have_count(0)
+    after = table_on_disk(workbench)
+    assert after.cells[1][6] == term
+    assert after.cells[1][:6] == before.cells[1][:6]
+    assert (*after.cells[:1], *after.cells[2:]) == (*before.cells[:1], *before.cells[2:])
+
+
+def test_dragging_a_point_changes_the_metrics_while_the_arm_moves(page: Page, shot: Callable[[str], Path]) -> None:
+    choose_tab(page, "Membership")
+    choose_tab(page, "Metrics")
+    first = column(page, "now")
+    thumb = page.locator(".multi-slider-thumb").nth(4)
+    box = thumb.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(1, 9):
+        page.mouse.move(x - 3 * step, y)
+    during = changed(page, first)
+    wait_for_motion(page)
+    shot("membership")
+    page.mouse.up()
+    moved = thumb.bounding_box()
+    assert moved is not None
+    assert moved["x"] == pytest.approx(box["x"] - 24, abs=3), "the thumb stays where the hand left it"
+    assert during != first
+    page.keyboard.press("Control+z")
+    restored(page, first)
+    expect(page.get_by_text(re.compile("Undone: e: drag"))).to_be_visible()
+
+
+def test_another_composition_and_another_resolution_change_the_metrics(page: Page, shot: Callable[[str], Path]) -> None:
+    choose_tab(page, "Inference")
+    choose_tab(page, "Metrics")
+    first = column(page, "now")
+    choose(page, "composition", "Sum-Product")
+    composed = changed(page, first)
+    expect(page.get_by_role("combobox", name="implication", exact=True)).to_have_value("product")
+    expect(page.get_by_role("combobox", name="aggregation", exact=True)).to_have_value("sum")
+    shot("inference")
+    choose(page, "resolution", "13 levels, with both ends")
+    changed(page, composed)
+    choose_tab(page, "Inference")  # keys belong to the text field of a dropdown while it has the focus
+    for expected in (composed, first):
+        page.keyboard.press("Control+z")
+        restored(page, expected)
+    expect(page.get_by_role("combobox", name="resolution", exact=True)).to_have_value("exact")
+
+
+def test_pause_stands_still_scrubbing_replays_and_play_goes_on(page: Page) -> None:
+    wait_for_motion(page)
+    button = page.get_by_role("button", name="play / pause")
+    button.click()
+    expect(page.get_by_text(re.compile("paused"))).to_be_visible()
+    settle(page)
+    still = simulated_time(page)
+    settle(page, 20)
+    assert simulated_time(page) == still
+    button.click()
+    wait_for_motion(page)
+
+    thumb = page.get_by_role("slider").first
+    track = thumb.locator("xpath=..").bounding_box()
+    assert track is not None
+    page.mouse.click(track["x"] + track["width"] / 2, track["y"] + track["height"] / 2)
+    expect(page.get_by_text(re.compile(r"replay of .* t = "))).to_be_visible()
+    middle = until(lambda: {"t": f"{simulated_time(page)}"}, lambda t: 1.3 < float(t["t"]) < 1.7, "the middle")
+    settle(page, 10)
+    assert simulated_time(page) == float(middle["t"])
+    expect(thumb).to_have_attribute("aria-valuenow", re.compile(rf"{float(middle['t']):g}"))
+    button.click()
+    wait_for_motion(page)
+    choose(page, "source", "live simulation")
+    wait_for_motion(page)
+
+
+def test_the_metrics_beside_those_before_and_of_pid(page: Page, shot: Callable[[str], Path]) -> None:
+    choose_tab(page, "Rules")
+    choose_tab(page, "Metrics")
+    assert set(column(page, "now")) == set(column(page, "PID"))
+    assert column(page, "now") != column(page, "PID")
+    choose(page, "controller", "pid · does not use the rules")
+    until(lambda: column(page, "now"), lambda now: now == column(page, "PID"), "PID's own metrics")
+    choose(page, "controller", "fuzzy_flc · PID with fuzzy FLC")
+    until(lambda: column(page, "now"), lambda now: now != column(page, "PID"), "the fuzzy controller's metrics")
+    shot("metrics")
