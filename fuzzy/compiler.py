@@ -26,6 +26,7 @@ _CACHED_VARIABLES = 256
 _T_NORM = {"min": norms.MIN, "product": norms.PRODUCT}
 _S_NORM = {"max": norms.MAX, "algebraic_sum": norms.ALGEBRAIC_SUM}
 _AGGREGATION = {"max": norms.MAX, "sum": norms.SUM}
+_NO_FIRE = {"default": codes.DEFAULT, "hold": codes.HOLD, "midpoint": codes.DEFAULT, "nan": codes.DEFAULT}
 _SAMPLING = {"midpoints": codes.MIDPOINTS, "endpoints": codes.ENDPOINTS}
 
 
@@ -66,7 +67,7 @@ def compile_tables(system: FuzzySystem) -> Tables:
     edges = [edge for g in geometries for edge in g.edge]
     tables = Tables(
         options=_options(system.inference),
-        input_range=np.array([(v.low, v.high) for v in system.inputs]),
+        input_range=np.array([(v.low, v.high) for v in system.inputs], dtype=np.float64),
         input_rejects=np.array([v.out_of_range == "reject" for v in system.inputs], dtype=np.int64),
         input_start=_starts(len(v.terms) for v in system.inputs),
         input_shape=np.concatenate([shape for shape, _ in inputs]),
@@ -78,13 +79,13 @@ def compile_tables(system: FuzzySystem) -> Tables:
         weight=np.array([rule.weight for rule in system.rules.list], dtype=np.float64),
         consequent_start=_starts(len(terms) for terms in consequents),
         consequent_term=np.array([term for terms in consequents for term in terms], dtype=np.int64),
-        output_range=np.array([(v.low, v.high) for v in system.outputs]),
+        output_range=np.array([(v.low, v.high) for v in system.outputs], dtype=np.float64),
         output_start=_starts(len(v.terms) for v in system.outputs),
         output_shape=np.concatenate([g.shape for g in geometries]),
         output_parameter=np.concatenate([g.parameter for g in geometries]),
         method=np.array([_method(system.inference, g) for g in geometries], dtype=np.int64),
-        no_fire=np.array([codes.HOLD if v.no_fire.policy == "hold" else codes.DEFAULT for v in system.outputs]),
-        no_fire_value=np.array([no_fire_value(v) for v in system.outputs]),
+        no_fire=np.array([_NO_FIRE[v.no_fire.policy] for v in system.outputs], dtype=np.int64),
+        no_fire_value=np.array([no_fire_value(v) for v in system.outputs], dtype=np.float64),
         neighbour=_neighbours(geometries),
         cut_start=_starts(len(cut) for cut in cuts),
         cut=np.concatenate(cuts),
@@ -191,7 +192,9 @@ def _neighbours(geometries: list[_Geometry]) -> NDArray[np.int64]:
 @functools.lru_cache(maxsize=_CACHED_VARIABLES)
 def _encode_terms(variable: Input | Output) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     encoded = [shapes.encode(term.shape) for term in variable.terms]
-    return np.array([code for code, _ in encoded], dtype=np.int64), np.array([four for _, four in encoded])
+    return np.array([code for code, _ in encoded], dtype=np.int64), np.array(
+        [four for _, four in encoded], dtype=np.float64
+    )
 
 
 @functools.lru_cache(maxsize=_CACHED_VARIABLES)
@@ -202,7 +205,7 @@ def _geometry(output: Output) -> _Geometry:
     points = {output.low, output.high}
     for term in output.terms:
         points.update(shapes.break_points(term.shape))
-    breaks = np.array(sorted(u for u in points if output.low <= u <= output.high))
+    breaks = np.array(sorted(u for u in points if output.low <= u <= output.high), dtype=np.float64)
     edge = np.array([_edges(p, breaks) if is_linear else np.zeros((len(breaks) - 1, 2))
                      for p, is_linear in zip(parameter, linear, strict=True)])  # fmt: skip
     order, neighbour = _order(parameter)

@@ -89,7 +89,7 @@ class Controller:
 
     def __init__(self, system: FuzzySystem) -> None:
         self.system = validate(system)
-        self.tables: Tables = compile_tables(system)
+        self.tables: Tables = compile_tables(self.system)
         self._own = self.directory()
         self._address = self._own.address
         self._is_two_to_one = len(system.inputs) == 2 and len(system.outputs) == 1

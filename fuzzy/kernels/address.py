@@ -5,12 +5,14 @@ So the arrays stay where they are, a directory lists their addresses and shapes,
 the directory. Whoever holds the address must keep the ``Directory`` alive; ``fuzzy.inference.Controller`` does.
 """
 
+import ctypes
 from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import carray, types
+from numba.core import config, types
 from numba.core.extending import intrinsic
+from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
 from fuzzy.kernels.jit import inlined_kernel
@@ -36,20 +38,29 @@ def directory(tables: Tables, workspace: Workspace) -> Directory:
     """List the arrays of ``tables`` and ``workspace``, which must be contiguous."""
     entries = np.zeros((len(tables) + len(workspace), 3), dtype=np.int64)
     for row, array in zip(entries, (*tables, *workspace), strict=True):
-        if not array.flags.c_contiguous:
-            raise ValueError(f"array of shape {array.shape} is not contiguous")
+        if not array.flags.c_contiguous or array.dtype not in (np.int64, np.float64):
+            raise ValueError(f"found {array.dtype} of shape {array.shape}; valid: contiguous int64 or float64")
         row[:] = array.ctypes.data, array.shape[0], array.shape[1] if array.ndim == 2 else 1
     return Directory(entries, tables, workspace)
 
 
 @intrinsic
-def _pointer(typingctx: Any, address: Any) -> Any:  # noqa: ARG001
+def _compiled_pointer(typingctx: Any, address: Any) -> Any:  # noqa: ARG001
     """Turn an address into a pointer."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:  # noqa: ARG001
         return builder.inttoptr(arguments[0], ir.IntType(8).as_pointer())
 
     return types.voidptr(types.intp), generate
+
+
+def _plain_pointer(address: int) -> ctypes.c_void_p:
+    """Turn an address into a pointer, where kernels run as plain Python."""
+    return ctypes.c_void_p(int(address))
+
+
+_settings: Any = config
+_pointer: Any = _plain_pointer if _settings.DISABLE_JIT else _compiled_pointer
 
 
 @inlined_kernel
