@@ -102,9 +102,9 @@ def compile_tables(system: FuzzySystem) -> Tables:
 def no_fire_value(output: Output) -> float:
     """Return what an output is when no rule fires, and what it starts with under the hold policy."""
     match output.no_fire.policy:
-        case "default" | "hold":
+        case "default":
             return output.no_fire.value
-        case "midpoint":
+        case "hold" | "midpoint":
             return 0.5 * (output.low + output.high)
         case "nan":
             return math.nan

@@ -87,7 +87,7 @@ class InferenceView:
         self._resolution.value = offered[0] if offered else "as in the file"
         no_fire = state.document.outputs[0].no_fire
         self._policy.value = no_fire.policy
-        self._value.visible = no_fire.policy in ("default", "hold")
+        self._value.visible = no_fire.policy == "default"
         self._value.value = float(no_fire.value)
         self._formulas.content = _formulas_html(inference)
 
@@ -96,9 +96,7 @@ class InferenceView:
         return self._no_fire_edit(NoFire(policy))
 
     def _value_edit(self, value: object) -> Edit:
-        assert self._state is not None
-        policy = self._state.document.outputs[0].no_fire.policy
-        return self._no_fire_edit(NoFire(policy, clean.number(value, -_MOST_VALUE, _MOST_VALUE)))
+        return self._no_fire_edit(NoFire("default", clean.number(value, -_MOST_VALUE, _MOST_VALUE)))
 
     def _no_fire_edit(self, no_fire: NoFire) -> Edit:
         assert self._state is not None

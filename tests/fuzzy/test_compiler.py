@@ -9,7 +9,7 @@ from fuzzy import compile_system, formats
 from fuzzy.kernels.address import directory
 from fuzzy.kernels.tables import Tables, new_workspace
 from fuzzy.shapes import Triangle
-from fuzzy.system import FuzzySystem, Input, NoFire, Output, RuleBase, RuleTable, Term
+from fuzzy.system import FuzzySystem, Input, Is, NoFire, Output, Rule, RuleBase, RuleTable, Term
 
 
 def one_by_one(number: type) -> FuzzySystem:
@@ -44,3 +44,19 @@ def test_tables_are_read_only_and_a_wrong_type_is_never_read_by_address() -> Non
     strided: Tables = tables._replace(cut=tables.cut[::2])
     with pytest.raises(ValueError, match="contiguous"):
         directory(strided, workspace)
+
+
+def test_an_output_that_holds_starts_inside_its_range_and_keeps_what_it_was() -> None:
+    terms = (Term("low", Triangle(10.0, 11.0, 12.0)), Term("high", Triangle(12.0, 13.0, 14.0)))
+    inputs = (Input("x", 0.0, 10.0, (Term("left", Triangle(0.0, 1.0, 2.0)), Term("right", Triangle(8.0, 9.0, 10.0)))),)
+    rules = RuleBase(
+        list=tuple(Rule(Is("x", side), (Is("y", level),)) for side, level in (("left", "low"), ("right", "high")))
+    )
+    output = Output("y", 10.0, 14.0, terms, no_fire=NoFire("hold"))
+    controller = compile_system(FuzzySystem("holds", inputs, (output,), rules))
+    assert controller(5.0) == 12.0
+    assert controller(1.0) == pytest.approx(11.0)
+    assert controller(5.0) == controller(1.0)
+    controller.reset()
+    assert controller(5.0) == 12.0
+    assert controller.batch([[1.0], [5.0]])[1, 0] == 12.0
