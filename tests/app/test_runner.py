@@ -32,6 +32,7 @@ from app.state import (
 from fuzzy import edits
 from fuzzy.formats import load
 from fuzzy.system import FuzzySystem, Input, RuleBase
+from robot.arm import Arm
 from robot.simulation import Simulation, simulate
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
@@ -317,7 +318,6 @@ def test_a_replay_shows_the_row_of_the_time_that_was_scrubbed_to(runner: Runner,
         state = update(state, replayed(time=time_))
         runner.render(state)
         frame = runner.frame(state, elapsed=0.5)
-        assert frame is not None
         assert frame.t == run.t[row]
         np.testing.assert_array_equal(frame.q, run.q[row])
         np.testing.assert_array_equal(frame.target, run.reference[row])
@@ -330,7 +330,6 @@ def test_a_replay_goes_on_at_its_speed_and_begins_again_at_the_end(runner: Runne
     times = []
     for elapsed in (0.0, 0.25, 0.5, 0.2, 0.2):
         frame = runner.frame(state, elapsed)
-        assert frame is not None
         times.append(round(frame.t, 6))
     assert times == [1.0, 1.5, 2.5, 2.9, 0.0]
 
@@ -346,7 +345,6 @@ def test_firing_strengths_are_those_that_explain_gives(
         state = update(state, replayed(time=time_))
         runner.render(state)
         frame = runner.frame(state, 0.0)
-        assert frame is not None
         assert frame.strength is not None
         expected = controller.explain(*frame.inputs).strength
         assert expected.any()
@@ -357,17 +355,21 @@ def test_a_law_without_fuzzy_blocks_has_no_strengths(runner: Runner, posts: Post
     state = update(shown(runner, posts, SetupChanged({"controller": "pid"})), replayed(time=0.1))
     runner.render(state)
     frame = runner.frame(state, 0.0)
-    assert frame is not None
     assert frame.strength is None
 
 
-def test_before_the_first_run_there_is_no_frame(posts: Posts) -> None:
+@pytest.mark.parametrize("name", ["soft", "stiff"])
+def test_before_anything_is_simulated_the_chosen_arm_rests(posts: Posts, name: str) -> None:
     go = threading.Event()
     runner = Runner(posts, lambda _: held_back(go))
-    state = initial(DIAGONAL)
+    state = update(initial(DIAGONAL), SetupChanged({"arm": name}))
     runner.render(state)
     for source in ("live", "replay"):
-        assert runner.frame(update(state, PlaybackChanged({"source": source})), 0.1) is None
+        frame = runner.frame(update(state, PlaybackChanged({"source": source})), 0.1)
+        assert frame.arm == Arm.preset(name)
+        assert (frame.t, frame.factor, frame.strength, frame.stopped) == (0.0, 0.0, None, None)
+        np.testing.assert_array_equal(frame.q, frame.target)
+        assert not frame.forces.any()
     go.set()
     runner.stop()
 
@@ -396,6 +398,5 @@ def test_a_document_without_rules_runs(runner: Runner, posts: Posts) -> None:
     state = update(shown(runner, posts, document=empty), replayed(time=0.1))
     runner.render(state)
     frame = runner.frame(state, 0.0)
-    assert frame is not None
     assert frame.strength is not None
     assert frame.strength.shape == (0,)
