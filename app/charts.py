@@ -49,7 +49,9 @@ def add_chart(
     scales: dict[str, uplot.Scale] = {"x": uplot.Scale(time=False)}
     if y_range is not None:
         scales["y"] = uplot.Scale(range=y_range, auto=False)
-    axis = uplot.Axis(stroke=MUTED, grid=uplot.Axis_Grid(stroke=GRID, width=1), ticks=uplot.Axis_Ticks(stroke=GRID))
+    axis = uplot.Axis(
+        space=28, stroke=MUTED, grid=uplot.Axis_Grid(stroke=GRID, width=1), ticks=uplot.Axis_Ticks(stroke=GRID)
+    )
     return gui.add_uplot(
         data=data or tuple(np.array([0.0, 1.0]) for _ in range(len(lines) + 1)),
         series=series(lines, x_label),

@@ -218,8 +218,8 @@ class Previews:
     def _preview(self, document: FuzzySystem, setup: Setup) -> RunFinished:
         controller = fuzzy.compile_system(document)
         wanted = experiment.prepare(setup, controller)
-        self._live.use(wanted)
         result = _result(wanted)
+        self._live.use(wanted)  # only what can run; a few milliseconds later at the most
         if self._pid is None or self._pid[0] != setup:
             self._pid = (setup, _result(experiment.prepare(setup, controller, law="pid")))
         return RunFinished(document, setup, result, self._pid[1], tuple(fuzzy.check(document)))

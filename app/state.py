@@ -25,17 +25,29 @@ GESTURE_SECONDS = 1.0
 """Edits of one gesture that follow each other faster are undone together."""
 
 DragMode = Literal["partition", "free"]
-Source = Literal["live", "replay"]
+PlaybackSource = Literal["live", "replay"]
 SPEEDS = (0.1, 0.5, 1.0, 2.0, 5.0)
 
 
+class Source(msgspec.Struct, frozen=True):
+    """Where a document is kept: what was last read or saved, the file's name, and what that looked like on disk."""
+
+    saved: FuzzySystem
+    file: str | None = None
+    stamp: Stamp | None = None
+
+
 class Step(msgspec.Struct, frozen=True):
-    """One step of the history: the document before it, what was done, and the gesture that it belongs to."""
+    """One step of the history: the document before it, what was done, and the gesture that it belongs to.
+
+    ``source`` is set where the step changed the file too: who undoes it and saves must not overwrite the other file.
+    """
 
     document: FuzzySystem
     label: str
     gesture: str = ""
     at: float = 0.0
+    source: Source | None = None
 
 
 class Setup(msgspec.Struct, frozen=True):
@@ -51,7 +63,7 @@ class Setup(msgspec.Struct, frozen=True):
 class Playback(msgspec.Struct, frozen=True):
     """How time passes: the live simulation, or the finished run from ``time`` (s) on."""
 
-    source: Source = "live"
+    source: PlaybackSource = "live"
     is_playing: bool = True
     speed: float = 1.0
     time: float = 0.0
@@ -84,9 +96,7 @@ class AppState(msgspec.Struct, frozen=True, eq=False):
     """All that the views are rendered from."""
 
     document: FuzzySystem
-    saved: FuzzySystem
-    file: str | None = None
-    stamp: Stamp | None = None
+    source: Source
     files: tuple[str, ...] = ()
     new_name: str = ""
     past: tuple[Step, ...] = ()
@@ -104,9 +114,14 @@ class AppState(msgspec.Struct, frozen=True, eq=False):
     notice: Notice | None = None
 
     @property
+    def file(self) -> str | None:
+        """Name of the file that the document is kept in."""
+        return self.source.file
+
+    @property
     def is_unsaved(self) -> bool:
         """Whether the document differs from the file."""
-        return self.document != self.saved
+        return self.document != self.source.saved
 
 
 class Edit(msgspec.Struct, frozen=True):
@@ -213,7 +228,7 @@ def initial(
     table = document.rules.table
     output = next((variable for variable in document.outputs if table and variable.name == table.output), None)
     brush = output.terms[-1].name if output else None
-    state = AppState(document=document, saved=document, file=file, stamp=stamp, files=files, brush=brush)
+    state = AppState(document=document, source=Source(document, file, stamp), files=files, brush=brush)
     return _with_valid_selection(state)
 
 
@@ -227,16 +242,13 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
         case Redo():
             return _redone(state)
         case Opened():
-            step = Step(state.document, f"open {event.file}")
+            step = Step(state.document, f"open {event.file}", source=state.source)
             opened = _changed(state, event.document, (*state.past, step), ())
-            return _replace(
-                opened, saved=event.document, file=event.file, stamp=event.stamp, files=event.files, notice=None
-            )
+            source = Source(event.document, event.file, event.stamp)
+            return _replace(opened, source=source, files=event.files, notice=None)
         case Saved():
-            notice = Notice(f"Saved {event.file}.")
-            return _replace(
-                state, saved=event.document, file=event.file, stamp=event.stamp, files=event.files, notice=notice
-            )
+            source = Source(event.document, event.file, event.stamp)
+            return _replace(state, source=source, files=event.files, notice=Notice(f"Saved {event.file}."))
         case Selected():
             return _with_valid_selection(_replace(state, **event.changes))
         case SetupChanged():
@@ -283,18 +295,23 @@ def _undone(state: AppState) -> AppState:
     if not state.past:
         return _replace(state, notice=Notice("Nothing to undo."))
     step = state.past[-1]
-    future = (Step(state.document, step.label), *state.future)
+    future = (_opposite(state, step), *state.future)
     undone = _changed(state, step.document, state.past[:-1], future)
-    return _replace(undone, notice=Notice(f"Undone: {step.label}."))
+    return _replace(undone, source=step.source or state.source, notice=Notice(f"Undone: {step.label}."))
 
 
 def _redone(state: AppState) -> AppState:
     if not state.future:
         return _replace(state, notice=Notice("Nothing to redo."))
     step = state.future[0]
-    past = (*state.past, Step(state.document, step.label))
+    past = (*state.past, _opposite(state, step))
     redone = _changed(state, step.document, past, state.future[1:])
-    return _replace(redone, notice=Notice(f"Done again: {step.label}."))
+    return _replace(redone, source=step.source or state.source, notice=Notice(f"Done again: {step.label}."))
+
+
+def _opposite(state: AppState, step: Step) -> Step:
+    """Return the step that leads back from where ``step`` leads."""
+    return Step(state.document, step.label, source=state.source if step.source else None)
 
 
 def _changed(state: AppState, document: FuzzySystem, past: tuple[Step, ...], future: tuple[Step, ...]) -> AppState:

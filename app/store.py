@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable
 from typing import Protocol
 
 from app.state import AppState, Event, update
+
+_log = logging.getLogger(__name__)
 
 Dispatch = Callable[[Event], None]
 
@@ -41,7 +44,10 @@ class Store:
         """Apply an event and render; on viser's event loop only."""
         self.state = update(self.state, event)
         for view in self._views:
-            view.render(self.state)
+            try:
+                view.render(self.state)
+            except Exception:  # the others go on, and so does the program
+                _log.exception("%s cannot show %s", type(view).__name__, type(event).__name__)
 
     def post(self, event: Event) -> None:
         """Apply an event from any thread, in the order of posting."""

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import viser
 
+from app import clean
 from app.clean import Refused
 from app.palette import TEXT
 from app.state import Event, Notice, Noticed
 from app.store import Dispatch
 
 _TINY = 5e-4
+_MARK = "● "
 
 FONT = "Inter,system-ui,-apple-system,'Segoe UI',sans-serif"
 
 
-def on_input(handle: Any, dispatch: Dispatch, to_event: Callable[[Any], Event | None]) -> None:
+def on_input(handle: Any, dispatch: Dispatch, to_event: Callable[[Any], Event | tuple[Event, ...] | None]) -> None:
     """Dispatch what a user's change of a widget means.
 
     A value that is refused leaves the state as it is; the rendering that follows any event puts the widget back.
@@ -26,7 +28,7 @@ def on_input(handle: Any, dispatch: Dispatch, to_event: Callable[[Any], Event | 
     Args:
         handle: Handle of a viser input or button.
         dispatch: Where events go.
-        to_event: Makes the event from the widget's value; may raise ``Refused``; None is nothing to do.
+        to_event: Makes the event, or several, from the widget's value; may raise ``Refused``; None is nothing to do.
     """
 
     async def callback(event: viser.GuiEvent[Any]) -> None:
@@ -36,13 +38,47 @@ def on_input(handle: Any, dispatch: Dispatch, to_event: Callable[[Any], Event | 
             meant = to_event(event.target.value)
         except Refused as refusal:
             meant = Noticed(Notice(f"Refused: {refusal}.", is_error=True))
-        if meant is not None:
-            dispatch(meant)
+        for one in meant if isinstance(meant, tuple) else (meant,):
+            if one is not None:
+                dispatch(one)
 
     if isinstance(handle, viser.GuiButtonHandle | viser.GuiButtonGroupHandle):
         handle.on_click(callback)
     else:
         handle.on_update(callback)
+
+
+class ChoiceGroup:
+    """A row of buttons of which one is chosen, which viser's own button group cannot show.
+
+    Args:
+        gui: Where it is added.
+        label: Stands to the left.
+        dispatch: Where events go.
+        to_event: Makes the event from the name that was pressed.
+    """
+
+    def __init__(
+        self, gui: viser.GuiApi, label: str, dispatch: Dispatch, to_event: Callable[[str], Event | None]
+    ) -> None:
+        self._handle: Any = gui.add_button_group(label, ("–",))
+        self._names: tuple[str, ...] = ()
+        on_input(self._handle, dispatch, lambda option: to_event(self._name(option)))
+
+    def show(self, names: Sequence[str], chosen: str) -> None:
+        """Show these names, ``chosen`` marked."""
+        self._names = tuple(names)
+        options = tuple(f"{_MARK}{name}" if name == chosen else name for name in names)
+        if tuple(self._handle.options) != options:
+            self._handle.options = options
+
+    def set_visible(self, is_visible: bool) -> None:
+        """Show or hide the row."""
+        self._handle.visible = is_visible
+
+    def _name(self, option: object) -> str:
+        text = option.removeprefix(_MARK) if isinstance(option, str) else option
+        return clean.choice(text, self._names)
 
 
 def element_id(handle: Any) -> str:

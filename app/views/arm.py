@@ -74,8 +74,8 @@ class ArmView:
             section_color=(74, 78, 88),
         )
         camera = server.initial_camera
-        camera.position = (0.24, -0.82, 0.50)
-        camera.look_at = (0.05, 0.0, 0.30)
+        camera.position = (0.20, -0.70, 0.48)
+        camera.look_at = (0.05, 0.0, 0.32)
 
     def show(self, frame: Frame) -> None:
         """Move the meshes to the frame's position and target."""
@@ -104,7 +104,7 @@ class ArmView:
         self._height = _STRETCH * sum(parameters(arm).rest_length) + _CLEARANCE
         body = tube_faces(_POINTS, _SIDES)
         self._body = self._mesh("/arm/body", _POINTS, _SIDES, body, _BODY)
-        self._ghost = self._mesh("/arm/target", _POINTS, _SIDES, body, _GHOST, opacity=0.22)
+        self._ghost = self._mesh("/arm/target", _POINTS, _SIDES, body, _GHOST, opacity=0.38)
         faces = tube_faces(_ACTUATOR_POINTS, _ACTUATOR_SIDES)
         self._actuators = [
             self._mesh(f"/arm/actuators/{name}", _ACTUATOR_POINTS, _ACTUATOR_SIDES, faces, force_color(0.0))

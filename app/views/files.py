@@ -64,13 +64,14 @@ class FilesView:
     def save(self) -> Event:
         """Write the document to the file that it came from."""
         state = self._present()
-        if state.file is None or state.stamp is None:
+        source = state.source
+        if source.file is None or source.stamp is None:
             return _failed("Not saved: choose a name in Files first")
         try:
-            stamp = self._storage.save(state.file, state.document, state.stamp)
+            stamp = self._storage.save(source.file, state.document, source.stamp)
+            return Saved(state.document, source.file, stamp, self._storage.names())
         except StorageError as error:
             return _failed(f"Not saved: {error}")
-        return Saved(state.document, state.file, stamp, self._storage.names())
 
     def _act(self, value: object) -> Event:
         return self.save() if clean.choice(value, _ACTIONS, "the action") == "save" else self._reload()
@@ -81,17 +82,17 @@ class FilesView:
         name = clean.file_name(text if text.endswith(".yaml") else f"{text}.yaml")
         try:
             stamp = self._storage.save_as(name, state.document)
+            return Saved(state.document, name, stamp, self._storage.names())
         except StorageError as error:
             return _failed(f"Not saved: {error}")
-        return Saved(state.document, name, stamp, self._storage.names())
 
     def _open(self, value: object) -> Event:
         name = clean.choice(value, self._present().files, "the file")
         try:
             opened = self._storage.open(name)
+            return Opened(opened.system, name, opened.stamp, self._storage.names())
         except StorageError as error:
             return _failed(f"Not opened: {error}")
-        return Opened(opened.system, name, opened.stamp, self._storage.names())
 
     def _reload(self) -> Event:
         return self._open(self._present().file)

@@ -93,7 +93,10 @@ class InferenceView:
 
     def _policy_edit(self, value: object) -> Edit:
         policy: Any = clean.choice(value, get_args(NoFirePolicy), "the policy")
-        return self._no_fire_edit(NoFire(policy))
+        assert self._state is not None
+        output = self._state.document.outputs[0]
+        value = min(max(0.0, output.low), output.high) if policy == "default" else 0.0
+        return self._no_fire_edit(NoFire(policy, value))
 
     def _value_edit(self, value: object) -> Edit:
         return self._no_fire_edit(NoFire("default", clean.number(value, -_MOST_VALUE, _MOST_VALUE)))

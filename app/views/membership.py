@@ -15,9 +15,9 @@ from app import clean
 from app.charts import Line, add_chart, series
 from app.palette import MUTED, css, term_color
 from app.runner import Frame
-from app.state import AppState, DragMode, Edit, Selected
+from app.state import AppState, DragMode, Edit, Event, Selected
 from app.store import Dispatch
-from app.widgets import div, escape, full_width_html, on_input
+from app.widgets import ChoiceGroup, div, escape, full_width_html, on_input
 from fuzzy import edits, shapes
 from fuzzy.shapes import Gaussian
 from fuzzy.system import FuzzySystem, Input, Variable
@@ -57,16 +57,14 @@ class MembershipView:
         self._slider: Any = None
         self._slider_parts: list[Any] = []
         self._slider_key: tuple[Any, ...] = ()
-        self._variable = gui.add_button_group("variable", ("e",))
-        on_input(self._variable, dispatch, lambda name: Selected({"variable": clean.name(name)}))
+        self._variable = ChoiceGroup(gui, "variable", dispatch, lambda name: Selected({"variable": name}))
         self._legend = gui.add_html("")
         self._chart_place = gui.add_folder(None)
         self._chart: viser.GuiUplotHandle | None = None
         self._slider_place = gui.add_folder(None)
         self._drag = gui.add_dropdown("drag", get_args(DragMode), hint="partition: neighbours follow, the sum stays 1")
         on_input(self._drag, dispatch, lambda mode: Selected({"drag": clean.choice(mode, get_args(DragMode))}))
-        self._term = gui.add_button_group("term", ("Z",))
-        on_input(self._term, dispatch, lambda name: Selected({"term": clean.name(name)}))
+        self._term = ChoiceGroup(gui, "term", dispatch, lambda name: Selected({"term": name}))
         self._shape = gui.add_dropdown("shape", tuple(shapes.kind(shape) for shape in shapes.SHAPES))
         on_input(self._shape, dispatch, self._change_shape)
         self._numbers = [gui.add_number("abcd"[n], 0.0, step=_STEP) for n in range(_MOST_PARAMETERS)]
@@ -81,12 +79,8 @@ class MembershipView:
         """Show the chosen variable and term."""
         self._state = state
         variable = chosen(state)
-        names = tuple(v.name for v in (*state.document.inputs, *state.document.outputs))
-        if tuple(self._variable.options) != names:
-            self._variable.options = names
-        terms = tuple(term.name for term in variable.terms)
-        if tuple(self._term.options) != terms:
-            self._term.options = terms
+        self._variable.show([v.name for v in (*state.document.inputs, *state.document.outputs)], variable.name)
+        self._term.show([term.name for term in variable.terms], state.term)
         self._drag.value = state.drag
         self._render_term(state, variable)
         self._render_slider(state, variable)
@@ -175,7 +169,7 @@ class MembershipView:
                 data=data,
             )
 
-    def _dragged(self, values: Any) -> Edit | None:
+    def _dragged(self, values: Any) -> tuple[Event, ...] | None:
         state = self._present()
         variable = chosen(state)
         low, high = extent(variable)
@@ -194,7 +188,8 @@ class MembershipView:
         change = partial(
             _moved_all, variable=variable.name, moved=tuple(moved), mode=possible_mode(variable, state.drag)
         )
-        return Edit(label, change, gesture=f"drag {variable.name} {thumb.term} {thumb.parameter}", at=time.monotonic())
+        gesture = f"drag {variable.name} {thumb.term} {thumb.parameter}"
+        return Selected({"term": thumb.term}), Edit(label, change, gesture, time.monotonic())
 
     def _set_parameter(self, n: int, value: object) -> Edit | None:
         state = self._present()

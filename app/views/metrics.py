@@ -26,7 +26,7 @@ _ROWS = {
 
 _COLUMNS = ("now", "before", "PID")
 
-_DIFFERENCE = 0.005
+_DIFFERENCE = 0.01
 """Relative difference from which on a number counts as better or worse."""
 
 
@@ -66,7 +66,7 @@ def _line(metric: str, results: tuple[Result | None, ...]) -> str:
 
 
 def _color(now: float, before: float) -> str:
-    if math.isnan(now) or math.isnan(before) or now == before:
+    if math.isnan(now) or math.isnan(before) or _text(now) == _text(before):
         return "inherit"
     if math.isfinite(now) and math.isfinite(before) and abs(now - before) <= _DIFFERENCE * max(abs(now), abs(before)):
         return "inherit"

@@ -118,13 +118,16 @@ def _shown(options: dict[str, Any], value: object) -> str:
 
 
 def _notice_html(state: AppState) -> str:
+    """Return the notice, two lines high whatever it says, so that the widgets below stay where they are."""
     if state.progress is not None:
-        return div(f"{escape(state.progress)} …", f"color:{BAD}")
-    if state.notice is not None:
-        return div(escape(state.notice.text), f"color:{ERROR if state.notice.is_error else GOOD}")
-    if state.past:
-        return div(f"{escape(state.past[-1].label)} &nbsp;·&nbsp; Ctrl+Z takes it back", f"color:{MUTED}")
-    return div("Paint a cell of the rule table, or drag a membership point: the arm answers.", f"color:{MUTED}")
+        text, color = f"{state.progress} …", BAD
+    elif state.notice is not None:
+        text, color = state.notice.text, ERROR if state.notice.is_error else GOOD
+    elif state.past:
+        text, color = f"{state.past[-1].label} · Ctrl+Z takes it back", MUTED
+    else:
+        text, color = "Paint a cell of the rule table, or drag a membership point: the arm answers.", MUTED
+    return div(escape(text), f"color:{color};min-height:2.9em")
 
 
 def _status_html(state: AppState, frame: Frame) -> str:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import viser
 
-from app import clean
 from app.charts import Line, add_chart, resampled
 from app.palette import BEFORE, PID, REFERENCE, RUN
 from app.state import AppState, Selected
 from app.store import Dispatch
-from app.widgets import coordinate_label, div, on_input
+from app.widgets import ChoiceGroup, coordinate_label, div
 
 _POINTS = 600
 """Points of a curve: more than the panel has pixels."""
@@ -31,13 +30,13 @@ class PlotsView:
     def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
         self._labels: tuple[str, ...] = ()
         self._shown: tuple[object, ...] = ()
-        self._coordinate = gui.add_button_group("coordinate", ("s1",))
-        on_input(self._coordinate, dispatch, self._choose)
+        self._coordinate = ChoiceGroup(gui, "coordinate", dispatch, self._choose)
+        self._coordinate.set_visible(False)
         self._response_title = gui.add_html("")
-        self._response = add_chart(gui, _RESPONSE, height=165, has_legend=False)
+        self._response = add_chart(gui, _RESPONSE, height=160, has_legend=False)
         self._torque_title = gui.add_html("")
-        self._torque = add_chart(gui, _TORQUE, height=115, has_legend=False)
-        self._charts = (self._coordinate, self._response, self._torque)
+        self._torque = add_chart(gui, _TORQUE, height=105, has_legend=False)
+        self._charts = (self._response, self._torque)
         for chart in self._charts:
             chart.visible = False
 
@@ -52,10 +51,9 @@ class PlotsView:
             chart.visible = True
         current = runs.current.run
         arm = current.arm
-        labels = tuple(coordinate_label(name) for name in arm.coordinates)
-        if labels != self._labels:
-            self._labels = labels
-            self._coordinate.options = labels
+        self._labels = labels = tuple(coordinate_label(name) for name in arm.coordinates)
+        self._coordinate.show(labels, labels[i])
+        self._coordinate.set_visible(True)
         is_length = i < arm.n_modules
         unit, factor = ("mm", 1e3) if is_length else ("°", float(np.rad2deg(1.0)))
         duration = current.scenario.duration
@@ -69,8 +67,8 @@ class PlotsView:
         self._torque.data = (t, *(resampled(t, result.run.t, result.run.output[:, i]) for result in results[1:]))
         self._torque_title.content = _title_html(f"fuzzy output T of {labels[i]}", _TORQUE)
 
-    def _choose(self, value: object) -> Selected:
-        return Selected({"coordinate": self._labels.index(clean.choice(value, self._labels, "the coordinate"))})
+    def _choose(self, label: str) -> Selected:
+        return Selected({"coordinate": self._labels.index(label)})
 
 
 def _title_html(title: str, lines: tuple[Line, ...]) -> str:

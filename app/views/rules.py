@@ -52,6 +52,8 @@ class RulesView:
         table = state.document.rules.table
         if table is None:
             self._table.content = div("This system has no rule table; its rules are a list in the file.")
+            self._brush.content = self._glow.content = ""
+            self._findings.content = _findings_html(state)
             return
         rows, columns, output = _variables(state.document, table)
         self._ensure_buttons(rows, columns, output)
@@ -150,7 +152,7 @@ def _findings_html(state: AppState) -> str:
     lines = [f"{count} rules"]
     listed = len(system.rules.list)
     if listed:
-        lines.append(f"{listed} of them in the list below the table")
+        lines.append(f"{listed} of them in a list")
     activity = _activity(state)
     if activity is not None and len(activity) == count:
         never = int((activity <= 0.0).sum())

@@ -240,7 +240,7 @@ def test_after_any_event_the_selections_exist_and_the_state_before_is_as_it_was(
         table = state.document.rules.table
         assert table is None or state.brush is None or state.brush in by_name[table.output]
         assert len(state.past) <= HISTORY_LENGTH
-        assert state.is_unsaved == (dumps(state.document) != dumps(state.saved))
+        assert state.is_unsaved == (dumps(state.document) != dumps(state.source.saved))
 
 
 @pytest.mark.parametrize(
@@ -369,7 +369,7 @@ def opened(document: FuzzySystem, file: str = "piltan.yaml") -> Opened:
 def test_opening_a_file_can_be_undone_so_that_unsaved_work_is_never_lost():
     edited = update(initial(DIAGONAL, file="diagonal.yaml"), paint(0, 0, "Z"))
     other = update(edited, opened(PILTAN))
-    assert (other.document, other.file, other.stamp) == (PILTAN, "piltan.yaml", STAMP)
+    assert (other.document, other.file, other.source.stamp) == (PILTAN, "piltan.yaml", STAMP)
     assert other.files == ("diagonal.yaml", "piltan.yaml")
     assert not other.is_unsaved
     back = update(other, Undo())
@@ -386,7 +386,7 @@ def test_saved_and_unsaved_follow_the_document_not_the_history():
     assert not update(edited, Undo()).is_unsaved
     saved = update(edited, Saved(edited.document, "new.yaml", STAMP, ("new.yaml",)))
     assert not saved.is_unsaved
-    assert (saved.file, saved.stamp, saved.files) == ("new.yaml", STAMP, ("new.yaml",))
+    assert (saved.file, saved.source.stamp, saved.files) == ("new.yaml", STAMP, ("new.yaml",))
     assert saved.past == edited.past
     again = update(saved, paint(0, 1, "Z"))
     assert again.is_unsaved
@@ -474,3 +474,15 @@ def test_every_event_is_handled():
     }
     with pytest.raises(AssertionError):
         update(initial(DIAGONAL), cast("Event", object()))
+
+
+def test_undoing_an_opening_gives_back_the_file_too_so_that_saving_overwrites_no_other():
+    edited = update(initial(DIAGONAL, file="diagonal.yaml"), paint(0, 0, "Z"))
+    other = update(edited, Opened(PILTAN, "piltan.yaml", STAMP, ("diagonal.yaml", "piltan.yaml")))
+    back = update(other, Undo())
+    assert back.source == edited.source
+    assert back.is_unsaved
+    again = update(back, Redo())
+    assert (again.document, again.source) == (PILTAN, other.source)
+    assert update(again, Undo()).source == edited.source
+    assert update(update(other, paint(0, 0, "Z")), Undo()).source == other.source
