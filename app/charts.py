@@ -49,14 +49,13 @@ def add_chart(
     scales: dict[str, uplot.Scale] = {"x": uplot.Scale(time=False)}
     if y_range is not None:
         scales["y"] = uplot.Scale(range=y_range, auto=False)
-    axis = uplot.Axis(
-        space=28, stroke=MUTED, grid=uplot.Axis_Grid(stroke=GRID, width=1), ticks=uplot.Axis_Ticks(stroke=GRID)
-    )
+    x_axis = uplot.Axis(stroke=MUTED, grid=uplot.Axis_Grid(stroke=GRID, width=1), ticks=uplot.Axis_Ticks(stroke=GRID))
+    y_axis: uplot.Axis = {**x_axis, "space": 28}
     return gui.add_uplot(
         data=data or tuple(np.array([0.0, 1.0]) for _ in range(len(lines) + 1)),
         series=series(lines, x_label),
         scales=scales,
-        axes=(axis, axis),
+        axes=(x_axis, y_axis),
         height=height,
         legend=None if has_legend else uplot.Legend(show=False),
         padding=(8, 14, 0, 0),
