@@ -51,7 +51,8 @@ class Frame(NamedTuple):
         target: (2N,) reference.
         forces: (2N,) actuator forces F11, F21, F12, ..., N.
         inputs: (2,) inputs of the chosen coordinate's fuzzy block, before clamping.
-        strength: (n_rules,) firing strengths of that block; None for a law without fuzzy blocks.
+        inference: The compiled system of that block; None for a law without fuzzy blocks.
+        strength: (n_rules,) its firing strengths; None without one.
         factor: Simulated over wall time, as measured; 0 when nothing is simulated.
         stopped: Why the simulation cannot go on; None when it can.
     """
@@ -62,6 +63,7 @@ class Frame(NamedTuple):
     target: Array
     forces: Array
     inputs: Array
+    inference: Controller | None
     strength: Array | None
     factor: float
     stopped: str | None
@@ -282,8 +284,11 @@ class Runner:
         self, arm: Arm, law: ControlLaw, sample: Sample, coordinate: int, factor: float, stopped: str | None
     ) -> Frame:
         inputs = sample.inputs[coordinate]
-        strength = self._strength(law.inference, inputs) if isinstance(law, FuzzyFlc) else None
-        return Frame(arm, sample.t, sample.q, sample.reference, sample.forces, inputs, strength, factor, stopped)
+        inference = law.inference if isinstance(law, FuzzyFlc) else None
+        strength = None if inference is None else self._strength(inference, inputs)
+        return Frame(
+            arm, sample.t, sample.q, sample.reference, sample.forces, inputs, inference, strength, factor, stopped
+        )
 
     def _strength(self, controller: Controller, inputs: Array) -> Array | None:
         """Return the firing strengths by the kernel that controls; None where the inputs are not finite."""
@@ -299,7 +304,7 @@ class Runner:
 def _resting_frame(arm: Arm) -> Frame:
     """Return an arm that hangs with unloaded springs: what there is to see before the kernels are ready."""
     q = np.array([*parameters(arm).rest_length, *np.zeros(arm.n_modules)])
-    return Frame(arm, 0.0, q, q, np.zeros(2 * arm.n_modules), np.zeros(2), None, 0.0, None)
+    return Frame(arm, 0.0, q, q, np.zeros(2 * arm.n_modules), np.zeros(2), None, None, 0.0, None)
 
 
 def sample_at(run: Run, time_: float) -> Sample:

@@ -16,6 +16,7 @@ from app.state import Event, PlaybackChanged, Redo, ResetRequested, Undo, initia
 from app.storage import Storage
 from app.store import Store
 from app.views.arm import ArmView
+from app.views.explain import ExplainView
 from app.views.files import FilesView
 from app.views.inference import InferenceView
 from app.views.membership import MembershipView
@@ -86,6 +87,7 @@ class Workbench:
             membership = MembershipView(gui, dispatch)
         with design.add_tab("Inference", viser.Icon.MATH_FUNCTION):
             inference = InferenceView(gui, dispatch)
+            explanation = ExplainView(gui)
         with design.add_tab("Files", viser.Icon.FOLDER):
             files = FilesView(gui, dispatch, storage)
         playback = PlaybackView(gui, dispatch)
@@ -100,8 +102,8 @@ class Workbench:
         gui.main_panel.set_width(_PANEL_WIDTH)
         response.dock_below(gui.main_panel)
         arm = ArmView(self.server)
-        self._live_views = [arm, rules, membership, playback]
-        self.store.add(self._runner, rules, membership, inference, files, playback, plots, metrics)
+        self._live_views = [arm, rules, membership, explanation, playback]
+        self.store.add(self._runner, rules, membership, inference, explanation, files, playback, plots, metrics)
         self._add_commands(files)
 
     def _add_commands(self, files: FilesView) -> None:

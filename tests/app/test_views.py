@@ -36,6 +36,7 @@ from app.state import (
 from app.storage import Stamp, Storage
 from app.store import Store
 from app.views.arm import ArmView
+from app.views.explain import ExplainView
 from app.views.files import FilesView
 from app.views.inference import InferenceView
 from app.views.membership import MembershipView
@@ -49,6 +50,7 @@ from fuzzy.formats import load, save
 from fuzzy.shapes import Gaussian, Triangle
 from fuzzy.system import FuzzySystem, Input, Is, NoFire, Output, Rule, RuleBase, RuleTable, Sampling, Term
 from robot.arm import Arm
+from robot.controllers import FuzzyFlc
 from robot.errors import RobotError
 from robot.simulation import Run, simulate
 from tests import strategies
@@ -84,7 +86,7 @@ class Screen:
     def _build(self, storage: Storage) -> None:
         gui, dispatch = self.server.gui, self.store.dispatch
         self.views: list[Any] = [
-            *(RulesView(gui, dispatch), MembershipView(gui, dispatch), PlaybackView(gui, dispatch)),
+            *(RulesView(gui, dispatch), MembershipView(gui, dispatch), PlaybackView(gui, dispatch), ExplainView(gui)),
             *(InferenceView(gui, dispatch), FilesView(gui, dispatch, storage), PlotsView(gui, dispatch)),
             MetricsView(gui),
         ]
@@ -106,7 +108,7 @@ class Screen:
         return self.dispatch(Opened(document, "other.yaml", STAMP, ("mine.yaml", "other.yaml")))
 
     def show(self, frame: Frame) -> None:
-        for view in [*self.views[:3], self.arm]:
+        for view in [*self.views[:4], self.arm]:
             self.on_loop(lambda view=view: view.show(frame))
 
     def handles(self) -> dict[str, Any]:
@@ -162,9 +164,18 @@ def finished(document: FuzzySystem, setup: Setup = Setup()) -> RunFinished:  # n
 
 
 def frame_of(run: Run, row: int, strength: np.ndarray | None) -> Frame:
-    inputs = run.inputs[row, 0]
+    inference = run.controller.inference if isinstance(run.controller, FuzzyFlc) and strength is not None else None
     return Frame(
-        run.arm, float(run.t[row]), run.q[row], run.reference[row], run.forces[row], inputs, strength, 1.0, None
+        arm=run.arm,
+        t=float(run.t[row]),
+        q=run.q[row],
+        target=run.reference[row],
+        forces=run.forces[row],
+        inputs=run.inputs[row, 0],
+        inference=inference,
+        strength=strength,
+        factor=1.0,
+        stopped=None,
     )
 
 
