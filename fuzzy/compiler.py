@@ -1,27 +1,28 @@
 """FuzzySystem -> Tables: every name becomes an index, and all that an inference can know beforehand is computed.
 
-The parts of the tables depend on one variable or on the rules alone and are kept, so that painting a cell compiles
-the rules and nothing else.
+The inputs' tables depend on the inputs alone, the outputs' on the outputs and the operators; they are kept, so that
+painting a cell compiles the rules and nothing else.
 """
 
 from __future__ import annotations
 
 import functools
-import itertools
 import math
-from typing import NamedTuple, assert_never
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple, assert_never
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fuzzy import rules, shapes
+from fuzzy import geometry, rules, shapes
 from fuzzy.errors import InvalidSystemError
-from fuzzy.kernels import exact, norms
+from fuzzy.kernels import membership, norms
 from fuzzy.kernels import tables as codes
-from fuzzy.kernels.tables import Tables
+from fuzzy.kernels.address import entries
+from fuzzy.kernels.tables import InputTables, Integers, Numbers, OutputTables, RuleTables, Tables
 from fuzzy.system import And, Expression, FuzzySystem, Inference, Input, Is, Not, Or, Output, Rule, Sampling
 
-_CACHED_VARIABLES = 256
+_KEPT = 64
+"""Variables, operators and lists of rules whose tables are kept."""
 
 _T_NORM = {"min": norms.MIN, "product": norms.PRODUCT}
 _S_NORM = {"max": norms.MAX, "algebraic_sum": norms.ALGEBRAIC_SUM}
@@ -29,18 +30,7 @@ _AGGREGATION = {"max": norms.MAX, "sum": norms.SUM}
 _NO_FIRE = {"default": codes.DEFAULT, "hold": codes.HOLD, "midpoint": codes.DEFAULT, "nan": codes.DEFAULT}
 _SAMPLING = {"midpoints": codes.MIDPOINTS, "endpoints": codes.ENDPOINTS}
 
-
-class _Geometry(NamedTuple):
-    """What the defuzzification of one output needs to know of its sets; numbers of terms count from the output's."""
-
-    shape: NDArray[np.int64]  # (n,)
-    parameter: NDArray[np.float64]  # (n, 4)
-    neighbour: NDArray[np.int64]  # (n,) next term to the right, -1 for none
-    cuts: tuple[NDArray[np.float64], ...]  # n sets, then n overlaps, each (n_knots, 8)
-    break_point: NDArray[np.float64]  # (n_breaks,)
-    edge: NDArray[np.float64]  # (n, n_breaks - 1, 2)
-    only_neighbours_overlap: bool
-    piecewise_linear: bool
+Names = dict[tuple[str, str], int]
 
 
 def compile_tables(system: FuzzySystem) -> Tables:
@@ -55,48 +45,12 @@ def compile_tables(system: FuzzySystem) -> Tables:
     Raises:
         InvalidSystemError: When a rule names a variable or a term that is not there.
     """
-    inputs = [_encode_terms(variable) for variable in system.inputs]
-    geometries = [_geometry(variable) for variable in system.outputs]
-    output_terms = _term_numbers(system.outputs)
-    input_terms = _term_numbers(system.inputs)
-    grid, grid_origin = _grid(system, input_terms)
-    listed = [_program(rule.antecedent, input_terms, f"rules.list[{n}]") for n, rule in enumerate(system.rules.list)]
-    consequents = [_consequents(rule, output_terms, n) for n, rule in enumerate(rules.all_rules(system))]
-    cuts = [cut for g in geometries for cut in g.cuts[: len(g.shape)]]
-    cuts += [cut for g in geometries for cut in g.cuts[len(g.shape) :]]
-    edges = [edge for g in geometries for edge in g.edge]
-    tables = Tables(
-        options=_options(system.inference),
-        input_range=np.array([(v.low, v.high) for v in system.inputs], dtype=np.float64),
-        input_rejects=np.array([v.out_of_range == "reject" for v in system.inputs], dtype=np.int64),
-        input_start=_starts(len(v.terms) for v in system.inputs),
-        input_shape=np.concatenate([shape for shape, _ in inputs]),
-        input_parameter=np.concatenate([parameter for _, parameter in inputs]),
-        grid=grid,
-        grid_origin=grid_origin,
-        program=np.array([word for program in listed for word in program], dtype=np.int64),
-        program_start=_starts(len(program) for program in listed),
-        weight=np.array([rule.weight for rule in system.rules.list], dtype=np.float64),
-        consequent_start=_starts(len(terms) for terms in consequents),
-        consequent_term=np.array([term for terms in consequents for term in terms], dtype=np.int64),
-        output_range=np.array([(v.low, v.high) for v in system.outputs], dtype=np.float64),
-        output_start=_starts(len(v.terms) for v in system.outputs),
-        output_shape=np.concatenate([g.shape for g in geometries]),
-        output_parameter=np.concatenate([g.parameter for g in geometries]),
-        method=np.array([_method(system.inference, g) for g in geometries], dtype=np.int64),
-        no_fire=np.array([_NO_FIRE[v.no_fire.policy] for v in system.outputs], dtype=np.int64),
-        no_fire_value=np.array([no_fire_value(v) for v in system.outputs], dtype=np.float64),
-        neighbour=_neighbours(geometries),
-        cut_start=_starts(len(cut) for cut in cuts),
-        cut=np.concatenate(cuts),
-        break_start=_starts(len(g.break_point) for g in geometries),
-        break_point=np.concatenate([g.break_point for g in geometries]),
-        edge_start=_starts(len(edge) for edge in edges)[:-1].copy(),
-        edge=np.concatenate(edges),
-    )
-    for array in tables:
-        array.flags.writeable = False
-    return tables
+    inputs, input_entries = _compile_inputs(system.inputs)
+    outputs, output_entries = _compile_outputs(system.outputs, system.inference)
+    rule_tables = _compile_rules(system)
+    listed = np.concatenate([input_entries, entries(_frozen(rule_tables)), output_entries])
+    listed.flags.writeable = False
+    return Tables(inputs, rule_tables, outputs, listed)
 
 
 def no_fire_value(output: Output) -> float:
@@ -112,171 +66,260 @@ def no_fire_value(output: Output) -> float:
             assert_never(output.no_fire.policy)
 
 
-def _starts(lengths) -> NDArray[np.int64]:
-    return np.cumsum([0, *lengths], dtype=np.int64)
+@functools.lru_cache(maxsize=_KEPT)
+def _compile_inputs(inputs: tuple[Input, ...]) -> tuple[InputTables, Integers]:
+    compiled = [_compile_input(variable) for variable in inputs]
+    first = _starts(len(variable.terms) for variable in inputs)
+    pieces = [
+        (int(first[i]) + term, shape, parameter)
+        for i, variable in enumerate(compiled)
+        for cell in variable.cells
+        for term, shape, parameter in cell
+    ]
+    tables = InputTables(
+        range=_numbers([(variable.low, variable.high) for variable in inputs], 2),
+        term_start=first,
+        knot_start=_starts(len(variable.knots) for variable in compiled),
+        knot=_numbers([knot for variable in compiled for knot in variable.knots]),
+        cell_start=_starts(len(variable.cells) for variable in compiled)[:-1].copy(),
+        piece_start=_starts(len(cell) for variable in compiled for cell in variable.cells),
+        piece_term=_integers([term for term, _, _ in pieces]),
+        piece_shape=_integers([shape for _, shape, _ in pieces]),
+        piece=_numbers([parameter for _, _, parameter in pieces], 4),
+    )
+    return tables, entries(_frozen(tables))
 
 
-def _options(inference: Inference) -> NDArray[np.int64]:
-    options = np.zeros(6, dtype=np.int64)
-    options[codes.CONJUNCTION] = _T_NORM[inference.conjunction]
-    options[codes.DISJUNCTION] = _S_NORM[inference.disjunction]
-    options[codes.IMPLICATION] = _T_NORM[inference.implication]
-    options[codes.AGGREGATION] = _AGGREGATION[inference.aggregation]
-    if isinstance(inference.resolution, Sampling):
-        options[codes.SAMPLES] = inference.resolution.points
-        options[codes.SAMPLING] = _SAMPLING[inference.resolution.rule]
-    return options
+class _Input(NamedTuple):
+    knots: list[float]
+    cells: list[list[tuple[int, int, tuple[float, ...]]]]  # term, membership code, parameters of each piece
 
 
-def _method(inference: Inference, geometry: _Geometry) -> int:
+@functools.lru_cache(maxsize=_KEPT)
+def _compile_input(variable: Input) -> _Input:
+    sets = [shapes.segments(term.shape) for term in variable.terms]
+    points = geometry.knots(sets, variable.low, variable.high)
+    cells: list[list[tuple[int, int, tuple[float, ...]]]] = [[] for _ in range(2 * len(points) + 1)]
+    for number, (term, segments) in enumerate(zip(variable.terms, sets, strict=True)):
+        if segments:
+            for cell, line in geometry.cells(segments, points):
+                cells[cell].append((number, membership.LINE, (*line, 0.0)))
+        else:
+            for cell in cells:
+                cell.append((number, *shapes.encode(term.shape)))
+    return _Input(points, cells)
+
+
+class _Output(NamedTuple):
+    """What the defuzzification of one output needs to know; numbers of terms count from the output's."""
+
+    knots: list[float]
+    sides: list[list[tuple[int, float, float]]]  # for each interval: term and degrees at both ends
+    neighbours: list[int]
+    cuts: list[list[geometry.Polynomial]]
+    overlap_cuts: list[list[geometry.Polynomial]]
+    is_linear: bool
+    only_neighbours_overlap: bool
+
+
+@functools.lru_cache(maxsize=_KEPT)
+def _compile_outputs(outputs: tuple[Output, ...], inference: Inference) -> tuple[OutputTables, Integers]:
+    compiled = [_compile_output(variable) for variable in outputs]
+    first = _starts(len(variable.terms) for variable in outputs)
+    encoded = [shapes.encode(term.shape) for variable in outputs for term in variable.terms]
+    cuts = [cut for variable in compiled for cut in variable.cuts]
+    cuts += [cut for variable in compiled for cut in variable.overlap_cuts]
+    neighbours = [
+        int(first[i]) + neighbour if neighbour >= 0 else -1
+        for i, variable in enumerate(compiled)
+        for neighbour in variable.neighbours
+    ]
+    # Intervals are numbered by their left knot: the one behind an output's last knot is empty.
+    sides = [
+        [(int(first[i]) + term, left, right) for term, left, right in interval]
+        for i, variable in enumerate(compiled)
+        for interval in [*variable.sides, []]
+    ]
+    resolution = inference.resolution
+    sampling = (resolution.points, _SAMPLING[resolution.rule]) if isinstance(resolution, Sampling) else (0, 0)
+    tables = OutputTables(
+        range=_numbers([(variable.low, variable.high) for variable in outputs], 2),
+        term_start=first,
+        shape=_integers([code for code, _ in encoded]),
+        parameter=_numbers([parameter for _, parameter in encoded], 4),
+        implication=_integers([_T_NORM[inference.implication]]),
+        aggregation=_integers([_AGGREGATION[inference.aggregation]]),
+        sampling=_integers(sampling),
+        method=_integers([_method(inference, variable) for variable in compiled]),
+        no_fire=_integers([_NO_FIRE[variable.no_fire.policy] for variable in outputs]),
+        no_fire_value=_numbers([no_fire_value(variable) for variable in outputs]),
+        neighbour=_integers(neighbours),
+        cut_start=_starts(len(cut) for cut in cuts),
+        cut=_numbers([row for cut in cuts for row in cut], 8),
+        knot_start=_starts(len(variable.knots) for variable in compiled),
+        knot=_numbers([knot for variable in compiled for knot in variable.knots]),
+        side_start=_starts(len(interval) for interval in sides),
+        side_term=_integers([term for interval in sides for term, _, _ in interval]),
+        side=_numbers([(left, right) for interval in sides for _, left, right in interval], 2),
+    )
+    return tables, entries(_frozen(tables))
+
+
+@functools.lru_cache(maxsize=_KEPT)
+def _compile_output(output: Output) -> _Output:
+    low, high = output.low, output.high
+    middle = 0.5 * (low + high)
+    sets = [shapes.segments(term.shape) for term in output.terms]
+    points = geometry.knots(sets, low, high)
+    sides: list[list[tuple[int, float, float]]] = [[] for _ in points[1:]]
+    for term, segments in enumerate(sets):
+        for interval, segment in geometry.sides(segments, points):
+            left, right = points[interval], points[interval + 1]
+            sides[interval].append((term, geometry.degree(segment, left), geometry.degree(segment, right)))
+    inside = [geometry.clipped_to(segments, low, high) for segments in sets]
+    neighbours = [-1] * len(sets)
+    overlap_cuts: list[list[geometry.Polynomial]] = [[] for _ in sets]
+    is_linear = all(sets)
+    overlaps_neighbours = is_linear and all(len(interval) <= 2 for interval in sides)
+    if overlaps_neighbours:
+        # Each set overlaps one to its right at most: otherwise there is no order of neighbours.
+        pairs = {(interval[0][0], interval[1][0]) for interval in sides if len(interval) == 2}
+        for first, second in pairs:
+            left, right = sorted((first, second), key=lambda term: (inside[term][0].left, inside[term][-1].right))
+            if neighbours[left] >= 0:
+                overlaps_neighbours = False
+                break
+            neighbours[left] = right
+            common = geometry.intersection(sets[left], sets[right], low, high)
+            overlap_cuts[left] = geometry.cut_polynomials(common, middle)
+    cuts = [geometry.cut_polynomials(segments, middle) for segments in inside]
+    return _Output(points, sides, neighbours, cuts, overlap_cuts, is_linear, overlaps_neighbours)
+
+
+def _method(inference: Inference, output: _Output) -> int:
     if isinstance(inference.resolution, Sampling):
         return codes.SAMPLED
+    if not output.is_linear:
+        return codes.QUADRATURE
     if inference.aggregation == "sum":
         return codes.SEPARATE
-    if not geometry.piecewise_linear:
-        return codes.QUADRATURE
-    if inference.implication == "min" and geometry.only_neighbours_overlap:
+    if inference.implication == "min" and output.only_neighbours_overlap:
         return codes.CLIPPED
     return codes.ENVELOPE
 
 
-def _term_numbers(variables: tuple[Input, ...] | tuple[Output, ...]) -> dict[tuple[str, str], int]:
-    keys = [(variable.name, term.name) for variable in variables for term in variable.terms]
-    return {key: number for number, key in enumerate(keys)}
+def _compile_rules(system: FuzzySystem) -> RuleTables:
+    program, program_start, weight = _compile_list(system.rules.list, system.inputs)
+    output_numbers = _term_numbers(system.outputs)
+    terms, counts = _table_terms(system, output_numbers)
+    for number, rule in enumerate(system.rules.list):
+        found = _consequents(rule, output_numbers, f"rules.list[{number}]")
+        terms += found
+        counts.append(len(found))
+    inference = system.inference
+    output_of_term = _output_of_term(system.outputs)
+    consequent_term = _integers(terms)
+    consequent_output = output_of_term[consequent_term]
+    return RuleTables(
+        norms=_integers((_T_NORM[inference.conjunction], _S_NORM[inference.disjunction])),
+        grid=_grid(system),
+        grid_input=_grid_input(system),
+        program=program,
+        program_start=program_start,
+        weight=weight,
+        consequent_start=_starts(counts),
+        consequent_term=consequent_term,
+        consequent_output=consequent_output,
+        member_start=_starts(np.bincount(consequent_output, minlength=len(system.outputs))),
+    )
 
 
-def _grid(system: FuzzySystem, input_terms: dict[tuple[str, str], int]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _table_terms(system: FuzzySystem, numbers: Names) -> tuple[list[int], list[int]]:
+    """Return the output term of every rule of the table, and how many each rule has: one."""
     table = system.rules.table
     if table is None:
-        return np.empty((0, 0), dtype=np.int64), np.zeros(2, dtype=np.int64)
-    by_name = {variable.name: variable for variable in system.inputs}
-    origin = [input_terms[name, by_name[name].terms[0].name] for name in (table.rows, table.columns)]
-    return np.array(rules.table_rule_indices(system), dtype=np.int64), np.array(origin, dtype=np.int64)
+        return [], []
+    try:
+        terms = [numbers[table.output, cell] for cells in table.cells for cell in cells if cell is not None]
+    except KeyError as error:
+        raise InvalidSystemError(f"no output term '{' is '.join(error.args[0])}'", "rules.table") from None
+    return terms, [1] * len(terms)
 
 
-def _program(expression: Expression, terms: dict[tuple[str, str], int], path: str) -> list[int]:
+def _grid(system: FuzzySystem) -> Integers:
+    indices = rules.table_rule_indices(system)
+    return _integers(indices) if indices else np.empty((0, 0), dtype=np.int64)
+
+
+def _grid_input(system: FuzzySystem) -> Integers:
+    table = system.rules.table
+    names = [variable.name for variable in system.inputs]
+    return _integers((0, 0) if table is None else (names.index(table.rows), names.index(table.columns)))
+
+
+@functools.lru_cache(maxsize=_KEPT)
+def _compile_list(listed: tuple[Rule, ...], inputs: tuple[Input, ...]) -> tuple[Integers, Integers, Numbers]:
+    """Return the antecedents of the listed rules, where each begins, and their weights."""
+    numbers = _term_numbers(inputs)
+    programs = [_program(rule.antecedent, numbers, f"rules.list[{number}]") for number, rule in enumerate(listed)]
+    return (
+        _integers([word for program in programs for word in program]),
+        _starts(len(program) for program in programs),
+        _numbers([rule.weight for rule in listed]),
+    )
+
+
+def _program(expression: Expression, numbers: Names, path: str) -> list[int]:
     """Return an antecedent in postfix order."""
     match expression:
         case Is(variable=variable, term=term):
-            if (variable, term) not in terms:
+            if (variable, term) not in numbers:
                 raise InvalidSystemError(f"no input term '{variable} is {term}'", path)
-            return [terms[variable, term]]
+            return [numbers[variable, term]]
         case Not(operand=operand):
-            return [*_program(operand, terms, path), codes.NOT]
+            return [*_program(operand, numbers, path), codes.NOT]
         case And(operands=operands) | Or(operands=operands):
             operator = codes.AND if isinstance(expression, And) else codes.OR
-            words = _program(operands[0], terms, path)
+            words = _program(operands[0], numbers, path)
             for operand in operands[1:]:
-                words += [*_program(operand, terms, path), operator]
+                words += [*_program(operand, numbers, path), operator]
             return words
         case _:
             assert_never(expression)
 
 
-def _consequents(rule: Rule, terms: dict[tuple[str, str], int], number: int) -> list[int]:
+def _consequents(rule: Rule, numbers: Names, path: str) -> list[int]:
     for consequent in rule.consequents:
-        if (consequent.variable, consequent.term) not in terms:
-            raise InvalidSystemError(f"no output term '{consequent.variable} is {consequent.term}'", f"rules[{number}]")
-    return [terms[consequent.variable, consequent.term] for consequent in rule.consequents]
+        if (consequent.variable, consequent.term) not in numbers:
+            raise InvalidSystemError(f"no output term '{consequent.variable} is {consequent.term}'", path)
+    return [numbers[consequent.variable, consequent.term] for consequent in rule.consequents]
 
 
-def _neighbours(geometries: list[_Geometry]) -> NDArray[np.int64]:
-    first = 0
-    parts = []
-    for geometry in geometries:
-        parts.append(np.where(geometry.neighbour >= 0, geometry.neighbour + first, -1))
-        first += len(geometry.shape)
-    return np.concatenate(parts)
+@functools.lru_cache(maxsize=_KEPT)
+def _term_numbers(variables: tuple[Input, ...] | tuple[Output, ...]) -> Names:
+    keys = [(variable.name, term.name) for variable in variables for term in variable.terms]
+    return {key: number for number, key in enumerate(keys)}
 
 
-@functools.lru_cache(maxsize=_CACHED_VARIABLES)
-def _encode_terms(variable: Input | Output) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    encoded = [shapes.encode(term.shape) for term in variable.terms]
-    return np.array([code for code, _ in encoded], dtype=np.int64), np.array(
-        [four for _, four in encoded], dtype=np.float64
-    )
+@functools.lru_cache(maxsize=_KEPT)
+def _output_of_term(outputs: tuple[Output, ...]) -> Integers:
+    return _integers([number for number, variable in enumerate(outputs) for _ in variable.terms])
 
 
-@functools.lru_cache(maxsize=_CACHED_VARIABLES)
-def _geometry(output: Output) -> _Geometry:
-    """Return what defuzzification needs of an output's sets, as they lie within its range."""
-    shape, parameter = _encode_terms(output)
-    linear = [isinstance(term.shape, shapes.PIECEWISE_LINEAR) for term in output.terms]
-    points = {output.low, output.high}
-    for term in output.terms:
-        points.update(shapes.break_points(term.shape))
-    breaks = np.array(sorted(u for u in points if output.low <= u <= output.high), dtype=np.float64)
-    edge = np.array([_edges(p, breaks) if is_linear else np.zeros((len(breaks) - 1, 2))
-                     for p, is_linear in zip(parameter, linear, strict=True)])  # fmt: skip
-    order, neighbour = _order(parameter)
-    overlaps_only_neighbours = all(linear) and _only_neighbours_overlap(parameter[order], output)
-    middle = 0.5 * (output.low + output.high)
-    empty = _cut(breaks - middle, np.zeros((len(breaks) - 1, 2)))
-    cuts = [_cut(breaks - middle, edges) for edges in edge]
-    for k in range(len(shape)):
-        if overlaps_only_neighbours and neighbour[k] >= 0:
-            cuts.append(_overlap_cut(breaks - middle, edge[k], edge[neighbour[k]]))
-        else:
-            cuts.append(empty)
-    return _Geometry(shape, parameter, neighbour, tuple(cuts), breaks, edge, overlaps_only_neighbours, all(linear))
+def _integers(values: Any) -> Integers:
+    return np.array(values, dtype=np.int64)
 
 
-def _edges(parameter: NDArray[np.float64], breaks: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a trapezoid's degrees just inside both ends of every interval between break points, (n, 2).
-
-    The degrees at the ends themselves will not do: at a vertical side they belong to one of the intervals only.
-    """
-    a, b, c, d = (float(value) for value in parameter)
-    edges = np.zeros((len(breaks) - 1, 2))
-    for i, (left, right) in enumerate(itertools.pairwise(breaks)):
-        if left >= b and right <= c:
-            edges[i] = 1.0
-        elif left >= a and right <= b:  # a < b, since the interval is not empty
-            edges[i] = (1.0, 1.0) if math.isinf(a) else ((left - a) / (b - a), (right - a) / (b - a))
-        elif left >= c and right <= d:
-            edges[i] = (1.0, 1.0) if math.isinf(d) else ((d - left) / (d - c), (d - right) / (d - c))
-    return edges
+def _numbers(values: Sequence[Any], columns: int = 0) -> Numbers:
+    array = np.array(values, dtype=np.float64)
+    return array.reshape(-1, columns) if columns else array
 
 
-def _order(parameter: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the terms from left to right, and for each term its right-hand neighbour or -1."""
-    order = np.lexsort((parameter[:, 3], parameter[:, 2], parameter[:, 1], parameter[:, 0]))
-    neighbour = np.full(len(order), -1, dtype=np.int64)
-    neighbour[order[:-1]] = order[1:]
-    return order, neighbour
+def _starts(lengths: Iterable[int]) -> Integers:
+    return np.cumsum([0, *lengths], dtype=np.int64)
 
 
-def _only_neighbours_overlap(parameter: NDArray[np.float64], output: Output) -> bool:
-    """Whether, of trapezoids from left to right, no set reaches beyond the beginning of the one after the next."""
-    left = np.maximum(parameter[:, 0], output.low)
-    right = np.minimum(parameter[:, 3], output.high)
-    reach = np.maximum.accumulate(right)
-    return bool(np.all(reach[:-2] <= left[2:])) if len(left) > 2 else True
-
-
-def _cut(breaks: NDArray[np.float64], edges: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the clipping polynomials of a set of linear pieces, see ``exact.cut_polynomials``."""
-    knots = np.unique(np.concatenate([[0.0], edges.ravel()]))
-    cut = np.empty((len(knots), 8))
-    low, high = np.ascontiguousarray(edges.T)
-    exact.cut_polynomials(breaks[:-1], breaks[1:], low, high, knots, cut)
-    return cut
-
-
-def _overlap_cut(
-    breaks: NDArray[np.float64], first: NDArray[np.float64], second: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the clipping polynomials of the intersection of two sets, which bends also where they cross."""
-    difference = first - second
-    crossings = [breaks[0]]
-    pieces = []
-    for i in range(len(breaks) - 1):
-        (a, b), left, right = difference[i], breaks[i], breaks[i + 1]
-        at = [0.0, a / (a - b), 1.0] if a * b < 0 else [0.0, 1.0]
-        for start, end in itertools.pairwise(at):
-            ends = [
-                min(edges[i, 0] + t * (edges[i, 1] - edges[i, 0]) for edges in (first, second)) for t in (start, end)
-            ]
-            crossings.append(left + end * (right - left))
-            pieces.append(ends)
-    return _cut(np.array(crossings), np.array(pieces))
+def _frozen(arrays: tuple[np.ndarray, ...]) -> tuple[np.ndarray, ...]:
+    for array in arrays:
+        array.flags.writeable = False
+    return arrays

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import functools
+import math
+import os
+import threading
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -13,15 +16,19 @@ from fuzzy import rules
 from fuzzy.compiler import compile_tables
 from fuzzy.errors import InvalidInputError
 from fuzzy.kernels import address, defuzzify, inference
+from fuzzy.kernels.jit import fix_types
 from fuzzy.kernels.tables import Tables, new_workspace
 from fuzzy.system import FuzzySystem, Rule
 from fuzzy.validation import validate
 
-_ROWS_PER_PART = 256
+_ROWS_PER_THREAD = 4096
 """Fewest rows of a batch that are worth a thread."""
 
 _CURVE_POINTS = 201
 """Samples of an output set in a trace, besides its break points."""
+
+_MISSING: Any = object()
+"""An input that was not given."""
 
 
 class FiredRule(NamedTuple):
@@ -43,7 +50,7 @@ class OutputTrace(NamedTuple):
 
     Attributes:
         value: Crisp output, in the variable's unit; NaN where it is undefined.
-        fired: Whether any rule concluded on this output; if not, ``value`` comes from its no-fire policy.
+        fired: Whether the rules define this output; if not, ``value`` comes from its no-fire policy.
         heights: Aggregated strength of each term.
         u: (m,) places in the universe, ascending.
         degree: (m,) degree of the aggregated set at ``u``.
@@ -79,8 +86,9 @@ class Trace(NamedTuple):
 class Controller:
     """A compiled fuzzy system.
 
-    Calls from several threads are safe: a single call keeps the interpreter lock, and ``batch`` and ``explain`` have
-    workspaces of their own. The only state is the last output of a single call, which the hold policy needs.
+    Calls from several threads are safe: a call holds a lock, and ``batch`` and ``explain`` have workspaces of their
+    own. The only state is the last output of a call, which the hold policy needs. Kernels are compiled, or loaded
+    from their cache, on the first call.
 
     Attributes:
         system: The document.
@@ -90,41 +98,55 @@ class Controller:
     def __init__(self, system: FuzzySystem) -> None:
         self.system = validate(system)
         self.tables: Tables = compile_tables(self.system)
-        self._own = self.directory()
-        self._address = self._own.address
-        self._is_two_to_one = len(system.inputs) == 2 and len(system.outputs) == 1
-        self._rejects = any(variable.out_of_range == "reject" for variable in system.inputs)
+        self._rejects = any(variable.out_of_range == "reject" for variable in self.system.inputs)
+        self._lock = threading.Lock()
+        self._address = 0  # of this controller's own workspace, once a call has prepared it for calls of two numbers
 
-    def __call__(self, *inputs: float) -> float | tuple[float, ...]:
+    def __call__(self, first: float = _MISSING, second: float = _MISSING, *others: float) -> float | tuple[float, ...]:
         """Return the crisp output for crisp inputs, in the order of ``system.inputs``; a tuple for several outputs.
 
         Raises:
             InvalidInputError: When an input is not finite, lies outside a range that rejects it, or when there are
                 too many or too few.
         """
-        if self._is_two_to_one and len(inputs) == 2 and not self._rejects:
-            value = inference.call_two(self._address, inputs[0], inputs[1])
-            if value != value:  # NaN: a bad input, or an output whose policy is NaN
-                self._own.workspace.output[:] = self.tables.no_fire_value
-                self._checked(inputs)
-            return value
-        y = self._own.workspace.output
-        inference.call(self._address, self._checked(inputs), y)
-        return float(y[0]) if y.size == 1 else tuple(y.tolist())
+        if self._address:  # two inputs that are clamped and one output: the first call has seen to it
+            try:
+                value = inference.call_two(self._address, first, second)
+            except TypeError:
+                value = math.nan
+            if value == value and not others:  # not NaN
+                return value
+        return self._call(tuple(value for value in (first, second, *others) if value is not _MISSING))
+
+    def _call(self, inputs: tuple[float, ...]) -> float | tuple[float, ...]:
+        x = self._checked(inputs)
+        with self._lock:
+            y = self._own.workspace.output
+            inference.call(self._own.address, x, y)
+            result = float(y[0]) if y.size == 1 else tuple(y.tolist())
+            if x.size == 2 and y.size == 1 and not self._rejects:
+                fix_types(inference.call_two, 0, 0.0, 0.0)
+                self._address = self._own.address
+        return result
+
+    @functools.cached_property
+    def _own(self) -> address.Directory:
+        return self.directory()
 
     def reset(self) -> None:
         """Forget the last output, so that the hold policy begins anew."""
-        self._own.workspace.output[:] = self.tables.no_fire_value
+        self._own.workspace.output[:] = self.tables.outputs.no_fire_value
 
     def directory(self) -> address.Directory:
         """Return the compiled system with a new workspace; its address is what other kernels evaluate.
 
         One thread at a time may use it, and whoever does must keep it.
         """
-        return address.directory(self.tables, new_workspace(self.tables))
+        kernels = [defuzzify.DEFUZZIFIERS[int(method)].address for method in self.tables.outputs.method]
+        return address.directory(self.tables, new_workspace(self.tables), kernels)
 
     def batch(self, x: ArrayLike) -> NDArray[np.float64]:
-        """Return the crisp outputs of many independent inferences.
+        """Return the crisp outputs of many independent inferences, computed on all processors.
 
         Args:
             x: (n, n_in) crisp inputs, one inference a row.
@@ -135,14 +157,27 @@ class Controller:
         Raises:
             InvalidInputError: With the first row that holds an input that is not finite or that is refused.
         """
-        rows = np.ascontiguousarray(x, dtype=np.float64)
+        try:
+            rows = np.ascontiguousarray(x, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise InvalidInputError(f"inputs that are no table of numbers: {error}") from error
         if rows.ndim != 2 or rows.shape[1] != len(self.system.inputs):
             raise InvalidInputError(f"inputs of shape {rows.shape}; valid: (n, {len(self.system.inputs)})")
         self._check_rows(rows)
-        y = np.tile(self.tables.no_fire_value, (len(rows), 1))
-        parts = max(1, min(len(rows) // _ROWS_PER_PART, 4 * numba.get_num_threads()))
-        directories = [self.directory() for _ in range(parts)]
-        inference.evaluate_batch(np.array([part.address for part in directories]), rows, y)
+        y = np.tile(self.tables.outputs.no_fire_value, (len(rows), 1))
+        n_parts = max(1, min(len(rows) // _ROWS_PER_THREAD, _processors()))
+        bounds = [len(rows) * part // n_parts for part in range(n_parts + 1)]
+        directories = [self.directory() for _ in range(n_parts)]
+        parts = [
+            functools.partial(inference.evaluate_rows, own.address, rows, y, start, end)
+            for own, start, end in zip(directories, bounds[:-1], bounds[1:], strict=True)
+        ]
+        threads = [threading.Thread(target=part) for part in parts[1:]]
+        for thread in threads:
+            thread.start()
+        parts[0]()
+        for thread in threads:
+            thread.join()
         return y
 
     def explain(self, *inputs: float) -> Trace:
@@ -156,9 +191,9 @@ class Controller:
         """
         x = self._checked(inputs)
         own = self.directory()
-        y = own.workspace.output
-        count = inference.call(own.address, x, y)
         work = own.workspace
+        y = work.output
+        count = inference.call(own.address, x, y)
         numbered = rules.all_rules(self.system)
         fired = [FiredRule(int(n), numbered[n], float(work.strength[n])) for n in work.fired[:count]]
         memberships = {
@@ -166,7 +201,7 @@ class Controller:
                 term.name: float(work.membership[k])
                 for term, k in zip(variable.terms, range(first, first + len(variable.terms)), strict=True)
             }
-            for variable, first in zip(self.system.inputs, self.tables.input_start, strict=False)
+            for variable, first in zip(self.system.inputs, self.tables.inputs.term_start, strict=False)
         }
         return Trace(
             inputs=dict(zip((v.name for v in self.system.inputs), x.tolist(), strict=True)),
@@ -177,28 +212,30 @@ class Controller:
             strength=work.strength,
             rules=tuple(sorted(fired, key=lambda rule: -rule.strength)),
             outputs={
-                output.name: self._output_trace(n, own, count, float(y[n]))
-                for n, output in enumerate(self.system.outputs)
+                output.name: self._output_trace(n, own, float(y[n])) for n, output in enumerate(self.system.outputs)
             },
         )
 
-    def _output_trace(self, number: int, own: address.Directory, count: int, value: float) -> OutputTrace:
+    def _output_trace(self, number: int, own: address.Directory, value: float) -> OutputTrace:
         output = self.system.outputs[number]
-        tables, work = self.tables, own.workspace
-        breaks = tables.break_point[tables.break_start[number] : tables.break_start[number + 1]]
-        u = np.union1d(np.linspace(output.low, output.high, _CURVE_POINTS), breaks)
+        tables, work = self.tables.outputs, own.workspace
+        knots = tables.knot[tables.knot_start[number] : tables.knot_start[number + 1]]
+        u = np.union1d(np.linspace(output.low, output.high, _CURVE_POINTS), knots)
         degree = np.empty(u.size)
-        defuzzify.output_set(own.address, count, number, u, degree)
-        first = tables.output_start[number]
+        defuzzify.output_set(own.address, number, u, degree)
+        first = tables.term_start[number]
         heights = {term.name: float(work.height[first + k]) for k, term in enumerate(output.terms)}
-        return OutputTrace(value, any(height > 0 for height in heights.values()), heights, u, degree)
+        return OutputTrace(value, not work.undefined[number], heights, u, degree)
 
     def _checked(self, inputs: tuple[float, ...]) -> NDArray[np.float64]:
         """Return the inputs as an array, or refuse them."""
         names = [variable.name for variable in self.system.inputs]
         if len(inputs) != len(names):
             raise InvalidInputError(f"{len(inputs)} inputs; valid: {len(names)} ({', '.join(names)})")
-        x = np.array(inputs, dtype=np.float64)
+        try:
+            x = np.array([float(value) for value in inputs])
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InvalidInputError(f"found {inputs}; valid: {len(names)} finite numbers") from error
         self._check_rows(x[np.newaxis])
         return x
 
@@ -217,6 +254,12 @@ class Controller:
                         f"{rows[row, column]:g} in row {row} is refused; valid: {variable.low:g} to {variable.high:g}",
                         variable.name,
                     )
+
+
+def _processors() -> int:
+    """Return how many processors this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)  # not on every system
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
 def compile_system(system: FuzzySystem) -> Controller:

@@ -6,7 +6,7 @@ A shape is data; its degrees are computed by :mod:`fuzzy.kernels.membership`, he
 from __future__ import annotations
 
 import math
-from typing import assert_never
+from typing import NamedTuple, assert_never
 
 import msgspec
 import numpy as np
@@ -96,6 +96,31 @@ def degrees(shape: Shape, x: ArrayLike) -> NDArray[np.float64]:
     code, four = encode(shape)
     membership.degrees(code, np.array(four), values.ravel(), degree)
     return degree.reshape(values.shape)
+
+
+class Segment(NamedTuple):
+    """A straight part of a membership function; where the ends are infinite or the same, so are the degrees."""
+
+    left: float
+    right: float
+    at_left: float
+    at_right: float
+
+
+def segments(shape: Shape) -> tuple[Segment, ...]:
+    """Return the straight parts of a piecewise-linear shape from left to right, closed at both ends; () if curved."""
+    match shape:
+        case Triangle(a=a, b=b, c=d):
+            c = b
+        case Trapezoid(a=a, b=b, c=c, d=d):
+            pass
+        case Gaussian():
+            return ()
+        case _:
+            assert_never(shape)
+    rise = Segment(a, b, 1.0 if math.isinf(a) else 0.0, 1.0)
+    fall = Segment(c, d, 1.0, 1.0 if math.isinf(d) else 0.0)
+    return (*((rise,) if a < b else ()), Segment(b, c, 1.0, 1.0), *((fall,) if c < d else ()))
 
 
 def break_points(shape: Shape) -> tuple[float, ...]:

@@ -1,136 +1,104 @@
 """Aggregation and defuzzification: from firing strengths to crisp outputs."""
 
-from fuzzy.kernels import exact, membership, norms, quadrature
+import math
+
+from fuzzy.kernels import exact, quadrature, sampled, sets
 from fuzzy.kernels import tables as codes
-from fuzzy.kernels.address import tables_at, workspace_at
-from fuzzy.kernels.jit import kernel
+from fuzzy.kernels.address import at, call_at, defuzzifier_at, outputs_at, rules_at, workspace_at
+from fuzzy.kernels.jit import borrowing_kernel
+from fuzzy.kernels.norms import MIN, SUM
 
-_IMPLICATION = codes.IMPLICATION
-_AGGREGATION = codes.AGGREGATION
-_SAMPLES = codes.SAMPLES
-_SAMPLING = codes.SAMPLING
+DEFUZZIFIERS = {
+    codes.CLIPPED: exact.clipped_centroid,
+    codes.SEPARATE: exact.separate_centroid,
+    codes.ENVELOPE: exact.envelope_centroid,
+    codes.QUADRATURE: quadrature.centroid,
+    codes.SAMPLED: sampled.centroid,
+}
+"""The kernel of each method: f(address, output) -> crisp output, NaN where it is undefined."""
+
+_TINY = 2.0**-500
+_GAIN = 2.0**450
 
 
-@kernel
+@borrowing_kernel
 def aggregate(address, fired):
-    """Write the aggregated strength of every output term into ``workspace.height``.
+    """Write the members of every output's aggregated set, and the level of every output term.
 
-    The largest strength under max aggregation, since a norm is monotone; the sum under sum aggregation, where only
-    the product's set depends on it alone.
-    """
-    tables = tables_at(address)
-    workspace = workspace_at(address)
-    workspace.height[:] = 0.0
-    sums = tables.options[_AGGREGATION] == norms.SUM
-    for i in range(fired):
-        rule = workspace.fired[i]
-        strength = workspace.strength[rule]
-        for c in range(tables.consequent_start[rule], tables.consequent_start[rule + 1]):
-            k = tables.consequent_term[c]
-            if sums:
-                workspace.height[k] += strength
-            elif strength > workspace.height[k]:
-                workspace.height[k] = strength
-
-
-@kernel
-def aggregated_degree(address, fired, output, u):
-    """Return the degree of the aggregated output set at ``u`` (paper eqs. (31), (32)); above 1 possible for sums."""
-    tables = tables_at(address)
-    workspace = workspace_at(address)
-    if tables.options[_AGGREGATION] != norms.SUM:
-        return quadrature.leading(address, output, u)[0]
-    total = 0.0
-    for i in range(fired):
-        rule = workspace.fired[i]
-        for c in range(tables.consequent_start[rule], tables.consequent_start[rule + 1]):
-            k = tables.consequent_term[c]
-            if tables.output_start[output] <= k < tables.output_start[output + 1]:
-                degree = membership.degree(tables.output_shape[k], tables.output_parameter[k], u)
-                total += norms.t_norm(tables.options[_IMPLICATION], workspace.strength[rule], degree)
-    return total
-
-
-@kernel
-def _sampled_moments(address, fired, output):
-    """Add Σ μ and Σ u μ over the samples (paper eq. (34)), u about the middle of the range."""
-    tables = tables_at(address)
-    workspace = workspace_at(address)
-    low = tables.output_range[output, 0]
-    high = tables.output_range[output, 1]
-    n = tables.options[_SAMPLES]
-    origin = 0.5 * (low + high)
-    for i in range(n):
-        if tables.options[_SAMPLING] == codes.ENDPOINTS:
-            u = low + i * (high - low) / (n - 1)
-        else:
-            u = low + (i + 0.5) * (high - low) / n
-        degree = aggregated_degree(address, fired, output, u)
-        workspace.moments[0] += degree
-        workspace.moments[1] += degree * (u - origin)
-
-
-@kernel
-def output_moments(address, fired, output):
-    """Write area and first moment, about the middle of the range, of one aggregated set into ``workspace.moments``."""
-    tables = tables_at(address)
-    workspace = workspace_at(address)
-    moments = workspace.moments
-    moments[:] = 0.0
-    method = tables.method[output]
-    if method == codes.CLIPPED:
-        exact.clipped_moments(address, output)
-    elif method == codes.SEPARATE:
-        exact.separate_moments(address, fired, output)
-    elif method == codes.ENVELOPE:
-        exact.envelope_moments(address, output)
-    elif method == codes.QUADRATURE:
-        quadrature.curved_moments(address, output)
-    else:
-        _sampled_moments(address, fired, output)
-
-
-@kernel
-def defuzzify(address, fired, y):
-    """Write the centroid of every output's aggregated set.
+    Max aggregation needs the largest strength of each term only, since a norm is monotone; the sum of scaled sets
+    needs the sum of strengths. The sum of clipped sets has a member for every consequent of every rule that fires.
 
     Args:
         address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
         fired: How many rules fire.
-        y: (n_out,) in: the last outputs, kept by the hold policy; out: crisp outputs in their units.
-
-    References:
-        Paper eq. (34), there called COA; IEC 61131-7:2000, CoG.
     """
-    tables = tables_at(address)
+    rules = rules_at(address)
+    outputs = outputs_at(address)
     workspace = workspace_at(address)
-    for output in range(y.size):
-        any_fired = False
-        for k in range(tables.output_start[output], tables.output_start[output + 1]):
-            any_fired = any_fired or workspace.height[k] > 0.0
-        if any_fired:
-            output_moments(address, fired, output)
-            area = workspace.moments[0]
-            if area > 0.0:
-                low = tables.output_range[output, 0]
-                high = tables.output_range[output, 1]
-                centre = 0.5 * (low + high) + workspace.moments[1] / area
-                y[output] = min(max(centre, low), high)
-                continue
-        if tables.no_fire[output] != codes.HOLD:
-            y[output] = tables.no_fire_value[output]
+    height = workspace.height
+    member = workspace.member
+    level = workspace.level
+    n_members = workspace.member_count
+    sums = outputs.aggregation[0] == SUM
+    separate = sums and outputs.implication[0] == MIN
+    for output in range(n_members.size):
+        start = rules.member_start[at(output)]
+        for n in range(start, start + n_members[at(output)]):
+            height[at(member[at(n)])] = 0.0
+        n_members[at(output)] = 0
+    for i in range(fired):
+        rule = workspace.fired[at(i)]
+        strength = workspace.strength[at(rule)]
+        for c in range(rules.consequent_start[at(rule)], rules.consequent_start[at(rule + 1)]):
+            k = rules.consequent_term[at(c)]
+            before = height[at(k)]
+            height[at(k)] = before + strength if sums else max(before, strength)
+            if before == 0.0 or separate:
+                output = rules.consequent_output[at(c)]
+                n = rules.member_start[at(output)] + n_members[at(output)]
+                member[at(n)] = k
+                level[at(n)] = strength
+                n_members[at(output)] += 1
+    for output in range(n_members.size):
+        largest = 0.0
+        start = rules.member_start[at(output)]
+        for n in range(start, start + n_members[at(output)]):
+            if not separate:
+                level[at(n)] = height[at(member[at(n)])]
+            largest = max(largest, level[at(n)])
+        workspace.gain[at(output)] = 1.0 if largest >= _TINY else _GAIN
 
 
-@kernel
-def output_set(address, fired, output, u, degree):
-    """Write the degrees of an aggregated output set at the places ``u`` (n,) into ``degree`` (n,).
+@borrowing_kernel
+def defuzzify(address, y):
+    """Write every output's crisp value.
 
     Args:
         address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
-        fired: How many rules fired in that inference.
+        y: (n_out,) in: the last outputs, kept by the hold policy; out: crisp outputs in their units.
+    """
+    outputs = outputs_at(address)
+    workspace = workspace_at(address)
+    for output in range(outputs.method.size):
+        value = math.nan
+        if workspace.member_count[at(output)] > 0:
+            value = call_at(defuzzifier_at(address, output), address, output)
+        workspace.undefined[at(output)] = int(math.isnan(value))
+        if not math.isnan(value):
+            y[at(output)] = min(max(value, outputs.range[at(output), 0]), outputs.range[at(output), 1])
+        elif outputs.no_fire[at(output)] != codes.HOLD:
+            y[at(output)] = outputs.no_fire_value[at(output)]
+
+
+@borrowing_kernel
+def output_set(address, output, u, degree):
+    """Write the degrees of an aggregated output set.
+
+    Args:
+        address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
         output: Number of the output.
         u: (n,) places in the universe.
-        degree: (n,) out.
+        degree: (n,) out; above 1 possible where the sets are summed.
     """
     for i in range(u.size):
-        degree[i] = aggregated_degree(address, fired, output, u[i])
+        degree[i] = sets.aggregated_degree(address, output, u[i], 1.0)

@@ -2,14 +2,11 @@
 
 from fuzzy.kernels import norms
 from fuzzy.kernels import tables as codes
-from fuzzy.kernels.address import tables_at, workspace_at
-from fuzzy.kernels.jit import kernel
-
-_CONJUNCTION = codes.CONJUNCTION
-_DISJUNCTION = codes.DISJUNCTION
+from fuzzy.kernels.address import at, inputs_at, rules_at, workspace_at
+from fuzzy.kernels.jit import borrowing_kernel
 
 
-@kernel
+@borrowing_kernel
 def antecedent(address, listed):
     """Return the degree of one listed rule's antecedent, by its postfix program.
 
@@ -17,32 +14,31 @@ def antecedent(address, listed):
         address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
         listed: Number of the rule in the list, from 0.
     """
-    tables = tables_at(address)
+    rules = rules_at(address)
     workspace = workspace_at(address)
-    membership = workspace.membership
     stack = workspace.stack
     top = -1
-    for p in range(tables.program_start[listed], tables.program_start[listed + 1]):
-        word = tables.program[p]
+    for p in range(rules.program_start[listed], rules.program_start[listed + 1]):
+        word = rules.program[p]
         if word >= 0:
             top += 1
-            stack[top] = membership[word]
+            stack[top] = workspace.membership[word]
         elif word == codes.NOT:
             stack[top] = 1.0 - stack[top]
         else:
             top -= 1
             if word == codes.AND:
-                stack[top] = norms.t_norm(tables.options[_CONJUNCTION], stack[top], stack[top + 1])
+                stack[top] = norms.t_norm(rules.norms[0], stack[top], stack[top + 1])
             else:
-                stack[top] = norms.s_norm(tables.options[_DISJUNCTION], stack[top], stack[top + 1])
+                stack[top] = norms.s_norm(rules.norms[1], stack[top], stack[top + 1])
     return stack[0]
 
 
-@kernel
+@borrowing_kernel
 def fire(address):
     """Evaluate every rule's antecedent from ``workspace.membership``.
 
-    Of the table only the cells are visited whose row and column have a degree above 0: in a partition, four.
+    Of the table only the cells are visited whose row and column are active: in a partition, four.
 
     Args:
         address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
@@ -53,34 +49,38 @@ def fire(address):
     References:
         IEC 61131-7:2000, rule evaluation; paper eq. (29).
     """
-    tables = tables_at(address)
+    rules = rules_at(address)
     workspace = workspace_at(address)
     membership = workspace.membership
     strength = workspace.strength
-    strength[:] = 0.0
+    fired = workspace.fired
+    for n in range(workspace.fired_count[0]):
+        strength[at(fired[at(n)])] = 0.0
     count = 0
-    rows, columns = tables.grid.shape
-    first_row = tables.grid_origin[0]
-    first_column = tables.grid_origin[1]
-    for i in range(rows):
-        row_degree = membership[first_row + i]
-        if row_degree <= 0.0:
-            continue
-        for j in range(columns):
-            column_degree = membership[first_column + j]
-            rule = tables.grid[i, j]
-            if column_degree > 0.0 and rule >= 0:
-                degree = norms.t_norm(tables.options[_CONJUNCTION], row_degree, column_degree)
-                if degree > 0.0:
-                    strength[rule] = degree
-                    workspace.fired[count] = rule
+    if rules.grid.size > 0:
+        inputs = inputs_at(address)
+        row_input = rules.grid_input[0]
+        column_input = rules.grid_input[1]
+        first_row = inputs.term_start[at(row_input)]
+        first_column = inputs.term_start[at(column_input)]
+        rows = workspace.active_count[at(row_input)]
+        columns = workspace.active_count[at(column_input)]
+        for r in range(first_row, first_row + rows):
+            row = workspace.active[at(r)]
+            for c in range(first_column, first_column + columns):
+                column = workspace.active[at(c)]
+                rule = rules.grid[at(row - first_row), at(column - first_column)]
+                degree = norms.t_norm(rules.norms[0], membership[at(row)], membership[at(column)])
+                if rule >= 0 and degree > 0.0:
+                    strength[at(rule)] = degree
+                    fired[at(count)] = rule
                     count += 1
-    first_listed = strength.size - tables.weight.size
-    for listed in range(tables.weight.size):
-        degree = tables.weight[listed] * antecedent(address, listed)
+    first_listed = strength.size - rules.weight.size
+    for listed in range(rules.weight.size):
+        degree = rules.weight[at(listed)] * antecedent(address, listed)
         if degree > 0.0:
-            rule = first_listed + listed
-            strength[rule] = degree
-            workspace.fired[count] = rule
+            strength[at(first_listed + listed)] = degree
+            fired[at(count)] = first_listed + listed
             count += 1
+    workspace.fired_count[0] = count
     return count

@@ -2,34 +2,31 @@
 
 import math
 
-import numba
-
 from fuzzy.kernels import defuzzify, firing, membership
 from fuzzy.kernels.address import workspace_at
-from fuzzy.kernels.jit import kernel, locking_kernel, parallel_kernel
+from fuzzy.kernels.jit import borrowing_kernel, locking_kernel
 
 
-@kernel
+@borrowing_kernel
 def evaluate(address, x, y):
     """Run one inference.
 
     Args:
         address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
-        x: (n_in,) crisp inputs in their units.
+        x: (n_in,) crisp inputs in their units; those outside their range count as its nearest end, also where
+            ``Controller`` would refuse them.
         y: (n_out,) in: the last outputs (for the hold policy); out: the crisp outputs. NaN where an input is not
             finite: a wrong number never becomes a plausible output.
 
     Returns:
-        How many rules fired.
+        How many rules fired; -1 where an input was not finite.
     """
-    for i in range(x.size):
-        if not math.isfinite(x[i]):
-            y[:] = math.nan
-            return 0
-    membership.fuzzify(address, x)
+    if not membership.fuzzify(address, x):
+        y[:] = math.nan
+        return -1
     fired = firing.fire(address)
     defuzzify.aggregate(address, fired)
-    defuzzify.defuzzify(address, fired, y)
+    defuzzify.defuzzify(address, y)
     return fired
 
 
@@ -49,26 +46,29 @@ def call_two(address: int, first: float, second: float) -> float:
         second: Second crisp input.
 
     Returns:
-        The crisp output.
+        The crisp output; NaN where an input is not finite, and then the last output is kept.
     """
     workspace = workspace_at(address)
+    last = workspace.output[0]
     workspace.input[0] = first
     workspace.input[1] = second
-    evaluate(address, workspace.input, workspace.output)
+    fired = evaluate(address, workspace.input, workspace.output)
+    if fired < 0:
+        workspace.output[0] = last
+        return math.nan
     return workspace.output[0]
 
 
-@parallel_kernel
-def evaluate_batch(addresses, x, y):
-    """Run independent inferences in parallel.
+@borrowing_kernel
+def evaluate_rows(address, x, y, first, end):
+    """Run independent inferences.
 
     Args:
-        addresses: (n_parts,) of the compiled system with a workspace for each of as many parts of the rows.
+        address: Of a compiled system and its workspace.
         x: (n, n_in) crisp inputs, one inference a row.
         y: (n, n_out) in: the last outputs of every row, for the hold policy; out: crisp outputs.
+        first: First row to evaluate.
+        end: The row after the last one.
     """
-    n = x.shape[0]
-    parts = addresses.size
-    for part in numba.prange(parts):
-        for i in range(part * n // parts, (part + 1) * n // parts):
-            evaluate(addresses[part], x[i], y[i])
+    for i in range(first, end):
+        evaluate(address, x[i], y[i])

@@ -7,11 +7,13 @@ changed kernel is always compiled anew, and an unchanged one never.
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import hashlib
 import os
 import shutil
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
@@ -21,6 +23,14 @@ from numba.core import config
 
 Kernel = Callable[..., Any]
 """Numba chooses the types of arguments and results when a kernel is called; a type checker cannot."""
+
+JIT: bool = not cast("Any", config).DISABLE_JIT
+"""False under NUMBA_DISABLE_JIT=1, with which kernels run as plain Python to be examined."""
+
+PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_int64, ctypes.c_int64)
+"""The C type of an addressed kernel."""
+
+_FIXING = threading.Lock()
 
 _KEPT_CACHES = 4
 """Caches of earlier sources that stay on disk, for switching between branches."""
@@ -35,14 +45,24 @@ def kernel(function: Kernel) -> Kernel:
     return _compile(function, nogil=True)
 
 
+def borrowing_kernel(function: Kernel) -> Kernel:
+    """Compile a kernel that only works on the arrays it is given: one that allocates does not compile.
+
+    Numba counts references to every array that a function receives or looks up. For kernels that neither allocate nor
+    keep an array this is wasted, and often most of the running time; without the memory runtime nothing is counted.
+    Such kernels may call only their like, and none may call ``numba.carray``.
+    """
+    return _compile(function, nogil=True, _nrt=False)
+
+
 def locking_kernel(function: Kernel) -> Kernel:
-    """Like ``kernel``, but keeps the interpreter lock: for short calls that share one workspace between threads."""
-    return _compile(function, nogil=False)
+    """Like ``borrowing_kernel``, but keeps the interpreter lock: for calls that share one workspace between threads."""
+    return _compile(function, nogil=False, _nrt=False)
 
 
 def inlined_kernel(function: Kernel) -> Kernel:
-    """Like ``kernel``, always made part of its caller: for functions that only give names to what is there."""
-    return _compile(function, nogil=True, forceinline=True)
+    """Like ``borrowing_kernel``, always made part of its caller: for functions that only give names."""
+    return _compile(function, nogil=True, _nrt=False, forceinline=True)
 
 
 def parallel_kernel(function: Kernel) -> Kernel:
@@ -50,16 +70,58 @@ def parallel_kernel(function: Kernel) -> Kernel:
     return _compile(function, nogil=True, parallel=True)
 
 
+def fix_types(function: Kernel, *arguments: object) -> None:
+    """Compile a kernel for the types of these arguments; from now on others are converted to them, or refused."""
+    if not JIT:
+        return
+    dispatcher: Any = function
+    signature = tuple(numba.typeof(argument) for argument in arguments)
+    with _FIXING:
+        if signature not in dispatcher.overloads:
+            dispatcher.compile(signature)
+            dispatcher.disable_compile()
+
+
+class AddressedKernel:
+    """A kernel that others call by its address, so that they need not be compiled together with it.
+
+    It is compiled, or loaded from the cache, when its address is first asked for: a system pays only for what it uses.
+    """
+
+    def __init__(self, function: Callable[[int, int], float]) -> None:
+        self.function = function
+
+    @functools.cached_property
+    def address(self) -> int:
+        """Address of the machine code: ``double f(int64, int64)``."""
+        return int(self._callback.address) if JIT else ctypes.cast(self._callback, ctypes.c_void_p).value or 0
+
+    @functools.cached_property
+    def _callback(self) -> Any:
+        if not JIT:
+            return PROTOTYPE(self.function)
+        options: Any = {"cache": True, "error_model": "numpy", "_nrt": False}
+        return _in_cache_folder(self.function, numba.cfunc("float64(int64, int64)", **options))
+
+
+def addressed_kernel(function: Callable[[int, int], float]) -> AddressedKernel:
+    """Make a kernel f(address of a compiled system, number) -> float that is called by its own address."""
+    return AddressedKernel(function)
+
+
 def _compile(function: Kernel, **options: Any) -> Kernel:
-    decorate: Any = numba.njit(cache=True, error_model="numpy", **options)
+    return _in_cache_folder(function, numba.njit(cache=True, error_model="numpy", **options))
+
+
+def _in_cache_folder(function: Kernel, decorate: Callable[[Kernel], Any]) -> Any:
     if os.environ.get("NUMBA_CACHE_DIR"):
-        return cast("Kernel", decorate(function))
+        return decorate(function)
     # Numba reads the folder when a function is decorated: other packages' functions keep their own.
     settings: Any = config
     previous = settings.CACHE_DIR
     settings.CACHE_DIR = str(_cache_folder(function.__module__.partition(".")[0]))
     try:
-        return cast("Kernel", decorate(function))
+        return decorate(function)
     finally:
         settings.CACHE_DIR = previous
 

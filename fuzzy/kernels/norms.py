@@ -1,6 +1,6 @@
 """Triangular norms and conorms, chosen by code."""
 
-from fuzzy.kernels.jit import kernel
+from fuzzy.kernels.jit import borrowing_kernel
 
 MIN = 0
 PRODUCT = 1
@@ -9,7 +9,7 @@ ALGEBRAIC_SUM = 1
 SUM = 1
 
 
-@kernel
+@borrowing_kernel
 def t_norm(code: int, a: float, b: float) -> float:
     """Return a AND b: min(a, b) or a·b, for degrees in [0, 1]."""
     if code == MIN:
@@ -17,7 +17,7 @@ def t_norm(code: int, a: float, b: float) -> float:
     return a * b
 
 
-@kernel
+@borrowing_kernel
 def s_norm(code: int, a: float, b: float) -> float:
     """Return a OR b: max(a, b) or a + b - a·b, for degrees in [0, 1]."""
     if code == MAX:

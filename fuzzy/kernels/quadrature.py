@@ -1,28 +1,39 @@
-"""Area and first moment of an output set with curved terms, by adaptive Gauss-Kronrod quadrature.
+"""Centroids of output sets of which some are curved, by adaptive Gauss-Kronrod quadrature.
 
-Between the points where the leading set changes the integrand is analytic, so that the rule converges at once; an
-interval is therefore divided where two sets cross, found by bisection, rather than in the middle.
+Between the points where another member begins to lead the integrand is analytic, so that the rule converges at once;
+an interval is therefore divided where two members cross, rather than in the middle. Errors are judged by the area of
+the whole set, which may be tiny: where all rules fire weakly, or where the universe ends in a Gaussian's tail.
 """
 
 import math
 
 import numpy as np
 
-from fuzzy.kernels import exact, membership, norms
-from fuzzy.kernels import tables as codes
-from fuzzy.kernels.address import tables_at, workspace_at
-from fuzzy.kernels.jit import kernel
+from fuzzy.kernels import exact, membership, sets
+from fuzzy.kernels.address import outputs_at, rules_at, workspace_at
+from fuzzy.kernels.jit import addressed_kernel, borrowing_kernel
+from fuzzy.kernels.norms import MIN, SUM
 
-_IMPLICATION = codes.IMPLICATION
+TOLERANCE = 1e-10
+"""Accepted difference of the two rules on an interval, as a share of the whole area; the finer one is far closer."""
 
-TOLERANCE = 1e-13
-"""Accepted difference of the two rules on an interval, as a share of the range (area) and of its square (moment)."""
-_DEPTH = 48
-"""Intervals waiting on the stack: each division halves, so 48 reach the resolution of a double."""
+_NARROWEST = 1e-14
+"""Width of an interval that is not divided further, as a share of the range."""
+
+_WAITING = 60
+"""Parts of an interval that may wait to be divided: each division halves one, or cuts it where members cross."""
+
+_PENDING = 6
+"""Numbers kept of an interval that may have to be divided: both ends, area, moment, error, where to divide it."""
+
+_CROSSING_STEPS = 40
+_END = 1.0 - 2e-9
+"""Place next to an interval's end, where only the leader is asked for: the ends themselves may lie on a jump."""
 
 # Gauss-Kronrod 7-15: Kronrod, "Nodes and Weights of Quadrature Formulas", 1965; values as in QUADPACK's dqk15.
 _NODE = np.array(
     [
+        _END,
         0.991455371120812639206854697526329,
         0.949107912342758524526189684047851,
         0.864864423359769072789712788640926,
@@ -35,6 +46,7 @@ _NODE = np.array(
 )
 _KRONROD = np.array(
     [
+        0.0,
         0.022935322010529224963732008058970,
         0.063092092629978553290700663189204,
         0.104790010322250183839876322541518,
@@ -46,128 +58,216 @@ _KRONROD = np.array(
     ]
 )
 _GAUSS = np.array(
-    [0.129484966168869693270611432679082, 0.279705391489276667901467771423780, 0.381830050505118944950369775488975,
-     0.417959183673469387755102040816327]
-)  # fmt: skip
+    [
+        0.0,
+        0.0,
+        0.129484966168869693270611432679082,
+        0.0,
+        0.279705391489276667901467771423780,
+        0.0,
+        0.381830050505118944950369775488975,
+        0.0,
+        0.417959183673469387755102040816327,
+    ]
+)
+_NODES = 2 * _NODE.size - 1
 
 
-@kernel
-def leading(address, output, u):
-    """Return the largest implied degree at ``u`` and the term that has it, by the max aggregation."""
-    tables = tables_at(address)
-    heights = workspace_at(address).height
-    best = 0.0
-    term = -1
-    for k in range(tables.output_start[output], tables.output_start[output + 1]):
-        if heights[k] > 0.0:
-            degree = membership.degree(tables.output_shape[k], tables.output_parameter[k], u)
-            implied = norms.t_norm(tables.options[_IMPLICATION], heights[k], degree)
-            if implied > best:
-                best = implied
-                term = k
-    return best, term
-
-
-@kernel
-def _handover(address, output, start, end):
-    """Return a point between ``start`` and ``end`` at which the leading term changes, to the last bit."""
-    first = leading(address, output, start)[1]
-    for _ in range(60):
-        middle = 0.5 * (start + end)
-        if middle <= start or middle >= end:
-            break
-        if leading(address, output, middle)[1] == first:
-            start = middle
-        else:
-            end = middle
-    return end
-
-
-@kernel
-def _add_interval(address, output, start, end, origin):
-    """Add the integral over [start, end], dividing until both rules agree."""
-    tables = tables_at(address)
-    moments = workspace_at(address).moments
-    span = tables.output_range[output, 1] - tables.output_range[output, 0]
-    lefts = np.empty(_DEPTH)
-    rights = np.empty(_DEPTH)
-    lefts[0] = start
-    rights[0] = end
-    waiting = 1
-    while waiting > 0:
-        waiting -= 1
-        a = lefts[waiting]
-        b = rights[waiting]
-        centre = 0.5 * (a + b)
-        half = 0.5 * (b - a)
-        area = moment = coarse_area = coarse_moment = 0.0
-        first_term = -1
-        last_term = -1
-        for n in range(15):
-            j = n if n < 8 else 14 - n
-            offset = half * _NODE[j] * (-1.0 if n < 7 else 1.0)
-            degree, term = leading(address, output, centre + offset)
-            if n == 0:
-                first_term = term
-            last_term = term
-            first_moment = degree * (centre - origin + offset)
-            area += _KRONROD[j] * degree
-            moment += _KRONROD[j] * first_moment
-            if j % 2 == 1:
-                coarse_area += _GAUSS[j // 2] * degree
-                coarse_moment += _GAUSS[j // 2] * first_moment
-        error = max(abs(area - coarse_area) * half / span, abs(moment - coarse_moment) * half / (span * span))
-        if error <= TOLERANCE or half <= 1e-15 * span or waiting + 2 > _DEPTH:
-            moments[0] += half * area
-            moments[1] += half * moment
-            continue
-        cut = centre
-        if first_term != last_term:
-            cut = _handover(address, output, centre - half * _NODE[0], centre + half * _NODE[0])
-            if cut - a < 1e-12 * span or b - cut < 1e-12 * span:
-                cut = centre
-        lefts[waiting] = a
-        rights[waiting] = cut
-        lefts[waiting + 1] = cut
-        rights[waiting + 1] = b
-        waiting += 2
-
-
-@kernel
-def curved_moments(address, output):
-    """Write area and moment of the upper envelope of sets of which at least one is curved.
+@addressed_kernel
+def centroid(address, output):
+    """Return the centroid of the union (paper eq. (31)) or of the sum (32) of the members' sets.
 
     Args:
         address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
         output: Number of the output.
     """
-    tables = tables_at(address)
-    workspace = workspace_at(address)
-    heights = workspace.height
-    scratch = workspace.scratch
-    low = tables.output_range[output, 0]
-    high = tables.output_range[output, 1]
-    count = 0
-    for i in range(tables.break_start[output], tables.break_start[output + 1]):
-        scratch[count] = tables.break_point[i]
-        count += 1
-    if tables.options[_IMPLICATION] == norms.MIN:
-        for k in range(tables.output_start[output], tables.output_start[output + 1]):
-            if heights[k] <= 0.0 or heights[k] >= 1.0:
-                continue
-            p = tables.output_parameter[k]
-            if tables.output_shape[k] == membership.GAUSSIAN:
-                reach = p[1] * math.sqrt(-2.0 * math.log(heights[k]))
-                scratch[count] = p[0] - reach
-                scratch[count + 1] = p[0] + reach
-            else:
-                scratch[count] = p[0] + heights[k] * (p[1] - p[0]) if p[0] > -math.inf else low
-                scratch[count + 1] = p[3] - heights[k] * (p[3] - p[2]) if p[3] < math.inf else high
-            count += 2
-    exact.sort(scratch, count)
-    origin = 0.5 * (low + high)
+    outputs = outputs_at(address)
+    start = rules_at(address).member_start[output]
+    end = start + workspace_at(address).member_count[output]
+    area = 0.0
+    moment = 0.0
+    if outputs.aggregation[0] == SUM:
+        for member in range(start, end):
+            part, part_moment = _integrate(address, output, member, member + 1)
+            area += part
+            moment += part_moment
+    else:
+        area, moment = _integrate(address, output, start, end)
+    middle = 0.5 * (outputs.range[output, 0] + outputs.range[output, 1])
+    return middle + moment / area if area > 0.0 else math.nan
+
+
+@borrowing_kernel
+def _integrate(address, output, start, end):
+    """Return area and moment, about the middle of the range, of the envelope of the members ``start`` to ``end``."""
+    outputs = outputs_at(address)
+    scratch = workspace_at(address).scratch
+    span = outputs.range[output, 1] - outputs.range[output, 0]
+    count = _bends(address, output, start, end)
+    area = 0.0
+    moment = 0.0
+    estimate = 0.0
+    pending = count
     for i in range(count - 1):
-        start = max(scratch[i], low)
-        end = min(scratch[i + 1], high)
-        if end > start:
-            _add_interval(address, output, start, end, origin)
+        if scratch[i + 1] <= scratch[i]:
+            continue
+        part, part_moment, error, cut = _interval(address, output, start, end, scratch[i], scratch[i + 1])
+        estimate += part
+        if error <= TOLERANCE * part:
+            area += part
+            moment += part_moment
+        else:
+            scratch[pending] = scratch[i]
+            scratch[pending + 1] = scratch[i + 1]
+            scratch[pending + 2] = part
+            scratch[pending + 3] = part_moment
+            scratch[pending + 4] = error
+            scratch[pending + 5] = cut
+            pending += _PENDING
+    for p in range(count, pending, _PENDING):
+        if scratch[p + 4] <= TOLERANCE * estimate:
+            area += scratch[p + 2]
+            moment += scratch[p + 3]
+            continue
+        stack = scratch[pending:]
+        stack[0] = scratch[p]
+        stack[1] = scratch[p + 5]
+        stack[2] = scratch[p + 5]
+        stack[3] = scratch[p + 1]
+        waiting = 2
+        while waiting > 0:
+            waiting -= 1
+            a = stack[2 * waiting]
+            b = stack[2 * waiting + 1]
+            part, part_moment, error, cut = _interval(address, output, start, end, a, b)
+            if error <= TOLERANCE * estimate or b - a <= _NARROWEST * span or waiting + 2 > _WAITING:
+                area += part
+                moment += part_moment
+                continue
+            stack[2 * waiting + 1] = cut
+            stack[2 * waiting + 2] = cut
+            stack[2 * waiting + 3] = b
+            waiting += 2
+    return area, moment
+
+
+@borrowing_kernel
+def _bends(address, output, start, end):
+    """Write the points between which every member is smooth into ``scratch``, in ascending order; return how many."""
+    outputs = outputs_at(address)
+    workspace = workspace_at(address)
+    scratch = workspace.scratch
+    low = outputs.range[output, 0]
+    high = outputs.range[output, 1]
+    scratch[0] = low
+    scratch[1] = high
+    count = 2
+    for member in range(start, end):
+        k = workspace.member[member]
+        level = workspace.level[member] if outputs.implication[0] == MIN else 1.0
+        found = membership.bends(outputs.shape[k], outputs.parameter[k], level, scratch, count)
+        kept = count
+        for i in range(count, found):
+            if low < scratch[i] < high:
+                scratch[kept] = scratch[i]
+                kept += 1
+        count = kept
+    exact.sort(scratch, count)
+    return count
+
+
+@borrowing_kernel
+def _leading(address, start, end, u, scale):
+    """Return the largest degree at ``u``, the second largest, and the member that leads."""
+    best = 0.0
+    second = 0.0
+    leader = start
+    for member in range(start, end):
+        degree = sets.implied(address, member, u, scale)
+        if degree > best:
+            second = best
+            best = degree
+            leader = member
+        elif degree > second:
+            second = degree
+    return best, second, leader
+
+
+@borrowing_kernel
+def _interval(address, output, start, end, a, b):
+    """Integrate the envelope of the members ``start`` to ``end`` over [a, b].
+
+    Returns:
+        Area, moment, error, and where to divide the interval if the error is too large. Where members cross, or come
+        so near to each other between two nodes that they may cross twice, the error is what may be lost by that.
+    """
+    outputs = outputs_at(address)
+    scale = workspace_at(address).gain[output]
+    low = outputs.range[output, 0]
+    high = outputs.range[output, 1]
+    centre = 0.5 * (a + b)
+    half = 0.5 * (b - a)
+    offset = centre - 0.5 * (low + high)
+    area = moment = coarse_area = coarse_moment = 0.0
+    cut = centre
+    lost = 0.0
+    has_crossing = False
+    # The last node, 1, and the one before it, 2: place and lead over the second member; who leads at the last.
+    u1 = u2 = a
+    lead1 = lead2 = 0.0
+    leader1 = -1
+    for n in range(_NODES):
+        j = min(n, _NODES - 1 - n)
+        step = half * (-_NODE[j] if n < _NODES // 2 else _NODE[j])
+        u = centre + step
+        degree, second, leader = _leading(address, start, end, u, scale)
+        area += _KRONROD[j] * degree
+        moment += _KRONROD[j] * degree * (offset + step)
+        coarse_area += _GAUSS[j] * degree
+        coarse_moment += _GAUSS[j] * degree * (offset + step)
+        lead = degree - second
+        if n > 0 and leader != leader1 and not has_crossing:
+            has_crossing = True
+            cut = _crossing(address, leader1, leader, u1, u, scale)
+            lost = half * degree
+        elif n > 1 and lead1 < lead2 and lead1 < lead and not has_crossing:
+            gap = 0.25 * max(lead2 - lead1, lead - lead1)
+            if lead1 < gap and gap * (u - u2) > lost:
+                lost = gap * (u - u2)
+                cut = u1
+        u2, lead2 = u1, lead1
+        u1, lead1, leader1 = u, lead, leader
+    area *= half
+    moment *= half
+    span = high - low
+    error = max(abs(area - half * coarse_area), abs(moment - half * coarse_moment) / span, lost)
+    if min(cut - a, b - cut) <= 1e-8 * (b - a):  # a crossing at the very end costs nothing
+        cut = centre
+        error = max(abs(area - half * coarse_area), abs(moment - half * coarse_moment) / span)
+    return area, moment, error, cut
+
+
+@borrowing_kernel
+def _crossing(address, first, second, left, right, scale):
+    """Return where between ``left`` and ``right`` the second member overtakes the first, by the Illinois method."""
+    before = sets.implied(address, second, left, scale) - sets.implied(address, first, left, scale)
+    after = sets.implied(address, second, right, scale) - sets.implied(address, first, right, scale)
+    width = right - left
+    for _ in range(_CROSSING_STEPS):
+        if not after > before or right - left <= 1e-9 * width:
+            break
+        middle = left - before * (right - left) / (after - before)
+        if not left < middle < right:
+            break
+        found = sets.implied(address, second, middle, scale) - sets.implied(address, first, middle, scale)
+        if found <= 0.0:
+            left = middle
+            before = found
+            after *= 0.5
+        else:
+            right = middle
+            after = found
+            before *= 0.5
+        if found == 0.0:
+            return middle
+    return 0.5 * (left + right)

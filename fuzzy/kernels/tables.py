@@ -8,9 +8,6 @@ from numpy.typing import NDArray
 Integers = NDArray[np.int64]
 Numbers = NDArray[np.float64]
 
-CONJUNCTION, DISJUNCTION, IMPLICATION, AGGREGATION, SAMPLES, SAMPLING = range(6)
-"""Places in ``Tables.options``."""
-
 MIDPOINTS = 0
 ENDPOINTS = 1
 """Sampling rules."""
@@ -22,7 +19,7 @@ SEPARATE = 1
 ENVELOPE = 2
 """Method of an output: upper envelope of piecewise-linear sets, exact."""
 QUADRATURE = 3
-"""Method of an output: upper envelope with curved sets, adaptive Gauss-Kronrod."""
+"""Method of an output: sets of which some are curved, adaptive Gauss-Kronrod."""
 SAMPLED = 4
 """Method of an output: samples of the aggregated set, as other engines do."""
 
@@ -33,74 +30,130 @@ HOLD = 1
 NOT = -1
 AND = -2
 OR = -3
-"""Operators in ``Tables.program``; a number from 0 on pushes the degree of that input term."""
+"""Operators in ``RuleTables.program``; a number from 0 on pushes the degree of that input term."""
 
 
-class Tables(NamedTuple):
-    """A compiled system; all arrays are read-only. n_in inputs, n_out outputs.
+class InputTables(NamedTuple):
+    """Fuzzification: n_in inputs with n_terms terms, numbered through.
 
-    Terms are numbered through, variable by variable; rules are numbered as ``fuzzy.rules.all_rules`` numbers them,
-    the cells of the table first. Sets are the n_output_terms output terms, followed by as many overlaps: set
-    n_output_terms + k is the intersection of term k and its right-hand neighbour (see ``neighbour``).
+    An input's knots, where any of its piecewise-linear sets bends or jumps, divide its range into cells: m knots and
+    the m + 1 open intervals around them in ascending order, so that cell 2i + 1 is knot i alone. Within a cell every
+    such set is one straight line, a piece; pieces that are 0 are left out.
     """
 
-    options: Integers  # (6,) operator codes and sampling
-    input_range: Numbers  # (n_in, 2) low, high
-    input_rejects: Integers  # (n_in,) 1 where a value outside the range is refused
-    input_start: Integers  # (n_in + 1,) first term of each input
-    input_shape: Integers  # (n_input_terms,) membership code
-    input_parameter: Numbers  # (n_input_terms, 4)
+    range: Numbers  # (n_in, 2) low, high
+    term_start: Integers  # (n_in + 1,) first term of each input
+    knot_start: Integers  # (n_in + 1,)
+    knot: Numbers  # (n_knots,) ascending for each input
+    cell_start: Integers  # (n_in,) first cell of each input
+    piece_start: Integers  # (n_cells + 1,) first piece of each cell
+    piece_term: Integers  # (n_pieces,) term of each piece, ascending within a cell
+    piece_shape: Integers  # (n_pieces,) ``membership.LINE``, or the code of a curved shape
+    piece: Numbers  # (n_pieces, 4) parameters of the code
+
+
+class RuleTables(NamedTuple):
+    """Rules, numbered as ``fuzzy.rules.all_rules`` numbers them, the cells of the table first."""
+
+    norms: Integers  # (2,) codes of AND and OR
     grid: Integers  # (n_rows, n_columns) rule of each cell, -1 for none
-    grid_origin: Integers  # (2,) input term of the first row and of the first column
+    grid_input: Integers  # (2,) input of the rows and of the columns
     program: Integers  # (n_program,) antecedents of the listed rules in postfix order
     program_start: Integers  # (n_listed + 1,)
     weight: Numbers  # (n_listed,)
     consequent_start: Integers  # (n_rules + 1,)
     consequent_term: Integers  # (n_consequents,) output term
-    output_range: Numbers  # (n_out, 2)
-    output_start: Integers  # (n_out + 1,) first term of each output
-    output_shape: Integers  # (n_output_terms,)
-    output_parameter: Numbers  # (n_output_terms, 4)
+    consequent_output: Integers  # (n_consequents,) output of that term
+    member_start: Integers  # (n_out + 1,) how many consequents the outputs before have
+
+
+class OutputTables(NamedTuple):
+    """Defuzzification: n_out outputs with n_terms terms, numbered through.
+
+    Sets are the n_terms terms, followed by as many overlaps: set n_terms + k is the intersection of term k and its
+    right-hand neighbour.
+    """
+
+    range: Numbers  # (n_out, 2) low, high
+    term_start: Integers  # (n_out + 1,) first term of each output
+    shape: Integers  # (n_terms,) membership code
+    parameter: Numbers  # (n_terms, 4)
+    implication: Integers  # (1,) code of the t-norm
+    aggregation: Integers  # (1,) code of the s-norm
+    sampling: Integers  # (2,) number of samples and sampling rule
     method: Integers  # (n_out,) CLIPPED ... SAMPLED
     no_fire: Integers  # (n_out,) DEFAULT or HOLD
     no_fire_value: Numbers  # (n_out,)
-    neighbour: Integers  # (n_output_terms,) next term to the right, -1 for none
-    cut_start: Integers  # (2 n_output_terms + 1,) first row of each set in ``cut``
-    cut: Numbers  # (n_pieces, 8) area and moment of a clipped set, see ``exact.cut_polynomials``
-    break_start: Integers  # (n_out + 1,) first of each output's break points
-    break_point: Numbers  # (n_breaks,) ascending for each output, both ends of the range included
-    edge_start: Integers  # (n_output_terms,) first row of each term in ``edge``
-    edge: Numbers  # (n_edges, 2) degrees at both ends inside each interval between break points
+    neighbour: Integers  # (n_terms,) the term to the right that overlaps this one, -1 for none
+    cut_start: Integers  # (2 n_terms + 1,) first row of each set in ``cut``
+    cut: Numbers  # (n_rows, 8) area and moment of a clipped set, see ``fuzzy.geometry.cut_polynomials``
+    knot_start: Integers  # (n_out + 1,)
+    knot: Numbers  # (n_knots,) ends of the range and all points between them where a set bends or jumps, ascending
+    side_start: Integers  # (n_knots + 1,) first side of each interval that begins at a knot
+    side_term: Integers  # (n_sides,) term that is not 0 there
+    side: Numbers  # (n_sides, 2) its degrees just inside both ends of the interval
+
+
+class Tables(NamedTuple):
+    """A compiled system; all arrays are read-only."""
+
+    inputs: InputTables
+    rules: RuleTables
+    outputs: OutputTables
+    entries: Integers  # (n_arrays, 3) of all arrays above, see ``fuzzy.kernels.address``
 
 
 class Workspace(NamedTuple):
-    """What one inference writes, so that a picture shows what the controller did."""
+    """What one inference writes, so that a picture shows what the controller did.
+
+    One inference clears what the last one wrote, by the lists of what that was; the rest of the arrays is never read.
+
+    A member of an output's aggregated set is a term with its level: the largest firing strength under max, the sum of
+    strengths for the sum of scaled sets, and one member for every consequent that fires for the sum of clipped sets.
+    """
 
     input: Numbers  # (n_in,) crisp inputs of a call without arrays
     output: Numbers  # (n_out,) its crisp outputs, kept for the hold policy
     membership: Numbers  # (n_input_terms,) degrees of the input terms
+    active: Integers  # (n_input_terms,) in each input's places its terms with a degree above 0
+    active_count: Integers  # (n_in,)
     strength: Numbers  # (n_rules,) firing strengths times weights
     fired: Integers  # (n_rules,) the numbers of the rules that fired, in the first places
-    height: Numbers  # (n_output_terms,) aggregated strength of each output term
+    fired_count: Integers  # (1,)
+    height: Numbers  # (n_output_terms,) level of each output term, 0 for none
+    member: Integers  # (n_consequents,) in each output's places the terms of its aggregated set
+    level: Numbers  # (n_consequents,) their levels
+    member_count: Integers  # (n_out,)
+    gain: Numbers  # (n_out,) power of two that lifts the levels out of the reach of underflow, ordinarily 1
+    undefined: Integers  # (n_out,) 1 where the no-fire policy gave the output
     stack: Numbers  # (n_stack,) operands of an antecedent
-    moments: Numbers  # (2,) area and first moment of the output set
     scratch: Numbers  # (n_scratch,)
 
 
 def new_workspace(tables: Tables) -> Workspace:
     """Return a workspace for one thread that evaluates ``tables``; its outputs start with their no-fire values."""
-    n_rules = tables.consequent_start.size - 1
-    n_terms = tables.output_shape.size
-    # Bends within one interval between break points: three for each pair of sets; or all bends of the curved sets.
-    n_scratch = max(3 * n_terms * (n_terms + 1) // 2, tables.break_point.size + 2 * n_terms)
+    inputs, rules, outputs, _ = tables
+    n_in, n_out, n_input_terms = len(inputs.range), len(outputs.range), int(inputs.term_start[-1])
+    n_rules, n_consequents = rules.consequent_start.size - 1, rules.consequent_term.size
+    n_terms = outputs.shape.size
+    # Places where an envelope may bend within an interval, three for each pair of sets; or what a quadrature keeps of
+    # its intervals, 16 for each member.
+    n_scratch = max(3 * (n_terms + 1) ** 2, 8 * (16 * (n_consequents + 1) + 32))
     return Workspace(
-        input=np.zeros(len(tables.input_range)),
-        output=tables.no_fire_value.copy(),
-        membership=np.zeros(tables.input_shape.size),
+        input=np.zeros(n_in),
+        output=outputs.no_fire_value.copy(),
+        membership=np.zeros(n_input_terms),
+        active=np.zeros(n_input_terms, dtype=np.int64),
+        active_count=np.zeros(n_in, dtype=np.int64),
         strength=np.zeros(n_rules),
         fired=np.zeros(n_rules, dtype=np.int64),
+        fired_count=np.zeros(1, dtype=np.int64),
         height=np.zeros(n_terms),
-        stack=np.zeros(tables.program.size + 1),
-        moments=np.zeros(2),
+        member=np.zeros(n_consequents, dtype=np.int64),
+        level=np.zeros(n_consequents),
+        member_count=np.zeros(n_out, dtype=np.int64),
+        gain=np.ones(n_out),
+        undefined=np.zeros(n_out, dtype=np.int64),
+        stack=np.zeros(rules.program.size + 1),
         scratch=np.zeros(n_scratch),
     )
