@@ -40,10 +40,14 @@ class Arm(msgspec.Struct, frozen=True, kw_only=True):
         damping: (2, N) N s/m, likewise.
         inertia: (N,) kg m² of the rods; by default m (3 r² + L²) / 12 with r = 0.05 m and L the rest length.
         gravity: m/s² along n3; the arm hangs when it is positive.
+        friction: N, Coulomb friction of the actuators, one number or (2, N); the F of equation (36).
+        payload: kg, a mass that the last rod carries.
+        payload_offset: m, how far the payload is before the last rod's centre, along the rod's normal; it then turns
+            with θN.
 
     Raises:
         InvalidArmError: Wrong shapes, values that are not finite, mass, inertia or lengths that are not positive,
-            negative stiffness or damping.
+            negative stiffness, damping, friction or payload.
     """
 
     mass: Sequence[float]
@@ -53,6 +57,9 @@ class Arm(msgspec.Struct, frozen=True, kw_only=True):
     damping: Sequence[Sequence[float]]
     inertia: float | Sequence[float] | None = None
     gravity: float = 9.81
+    friction: float | Sequence[Sequence[float]] = 0.0
+    payload: float = 0.0
+    payload_offset: float = 0.0
 
     def __post_init__(self) -> None:
         mass = _row(self.mass, "mass", None)
@@ -71,12 +78,15 @@ class Arm(msgspec.Struct, frozen=True, kw_only=True):
             "stiffness": _pair(self.stiffness, "stiffness", n),
             "damping": _pair(self.damping, "damping", n),
             "gravity": _number(self.gravity, "gravity"),
+            "friction": _pair(self.friction, "friction", n),
+            "payload": _within(self.payload, 0.0, 100.0, "payload"),
+            "payload_offset": _within(self.payload_offset, 0.0, 1.0, "payload_offset"),
         }
         for name in ("mass", "rod_length", "rest_length", "inertia"):
             for i, value in enumerate(values[name]):
                 if value <= 0.0:
                     raise InvalidArmError(f"found {value:g}; valid: greater than 0", f"{name}[{i}]")
-        for name in ("stiffness", "damping"):
+        for name in ("stiffness", "damping", "friction"):
             for row, pair in enumerate(values[name]):
                 for i, value in enumerate(pair):
                     if value < 0.0:
@@ -114,6 +124,8 @@ class Arm(msgspec.Struct, frozen=True, kw_only=True):
     def scaled(self, *, mass: float = 1.0, stiffness: float = 1.0, damping: float = 1.0) -> Arm:
         """Return the arm with groups of parameters multiplied by factors; ``mass`` scales the rods' inertia too.
 
+        The payload stays as it is.
+
         Raises:
             InvalidArmError: A factor that leaves no valid arm.
         """
@@ -138,6 +150,11 @@ def parameters(arm: Arm) -> Parameters:
         stiffness=read_only(arm.stiffness),
         damping=read_only(arm.damping),
         gravity=arm.gravity,
+        friction=read_only(arm.friction),
+        has_friction=int(np.any(arm.friction)),
+        payload=arm.payload,
+        payload_offset=arm.payload_offset,
+        stop_stiffness=0.0,
     )
 
 
@@ -157,6 +174,13 @@ def _number(value: object, path: str) -> float:
     return number
 
 
+def _within(value: object, low: float, high: float, path: str) -> float:
+    number = _number(value, path)
+    if not low <= number <= high:
+        raise InvalidArmError(f"found {number:g}; valid: {low:g} to {high:g}", path)
+    return number
+
+
 def _row(values: object, path: str, n: int | None) -> tuple[float, ...]:
     """Return ``n`` finite numbers; one number stands for all when ``n`` is known."""
     if n is not None and (isinstance(values, numbers.Real) or (isinstance(values, np.ndarray) and values.ndim == 0)):
@@ -170,6 +194,8 @@ def _row(values: object, path: str, n: int | None) -> tuple[float, ...]:
 
 
 def _pair(values: object, path: str, n: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    if path == "friction" and isinstance(values, numbers.Real):
+        values = ((values,) * n,) * 2
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
         raise InvalidArmError(f"found {values!r}; valid: two rows of {n} numbers, one row an actuator", path)
     rows = list(values)

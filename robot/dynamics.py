@@ -1,4 +1,4 @@
-"""Dynamics of an arm: D(q) q̈ + C(q, q̇) q̇ + B q̇ + G(q) = F_coeff(q) tau + Q_ext.
+"""Dynamics of an arm: D(q) q̈ + C(q, q̇) q̇ + B q̇ + F(q̇) + G(q) = F_coeff(q) tau + Q_ext.
 
 Thin wrappers over :mod:`robot.kernels`, for one configuration at a time. Positions are q = [s1 .. sN, θ1 .. θN]
 (m, rad); n3 points along gravity, n1 is horizontal.
@@ -10,10 +10,11 @@ import functools
 import math
 from typing import Literal, NamedTuple
 
+import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robot.arm import Arm, parameters
+from robot.arm import Arm, parameters, read_only
 from robot.errors import NoEquilibriumError, RobotError
 from robot.kernels import actuation, matrices
 from robot.kernels import dynamics as kernels
@@ -42,18 +43,19 @@ class Energy(NamedTuple):
 
 def mass_matrix(arm: Arm, q: ArrayLike) -> Array:
     """Return D(q) (2N, 2N), symmetric positive definite; equation (15) with its errata."""
-    position = _coordinates(arm, q, "q")
+    position = _lengthened(arm, _coordinates(arm, q, "q"), arm.payload_offset)
     D = np.empty((position.size, position.size))
-    matrices.mass_matrix(parameters(arm), position, _directions(position), D)
-    return D
+    matrices.mass_matrix(_with_payload(arm), position, _directions(position), D)
+    return _own(arm, D)
 
 
 def coriolis_matrix(arm: Arm, q: ArrayLike, dq: ArrayLike) -> Array:
     """Return the Christoffel matrix C(q, q̇) (2N, 2N), for which Ḋ - 2C is skew."""
-    position = _coordinates(arm, q, "q")
+    position = _lengthened(arm, _coordinates(arm, q, "q"), arm.payload_offset)
+    velocity = _lengthened(arm, _coordinates(arm, dq, "dq"), 0.0)
     C = np.empty((position.size, position.size))
-    matrices.coriolis_matrix(parameters(arm), position, _coordinates(arm, dq, "dq"), _directions(position), C)
-    return C
+    matrices.coriolis_matrix(_with_payload(arm), position, velocity, _directions(position), C)
+    return _own(arm, C)
 
 
 def coriolis_vector(arm: Arm, q: ArrayLike, dq: ArrayLike) -> Array:
@@ -78,7 +80,15 @@ def damping_vector(arm: Arm, dq: ArrayLike) -> Array:
     force = np.zeros(velocity.size)
     # At rest length and straight, only the dampers push.
     relaxed = np.concatenate([parameters(arm).rest_length, np.zeros(arm.n_modules)])
-    kernels.add_passive_force(parameters(arm), relaxed, velocity, 1.0, force)
+    kernels.add_passive_force(parameters(arm)._replace(has_friction=0), relaxed, velocity, 1.0, force)
+    return force
+
+
+def friction_vector(arm: Arm, dq: ArrayLike) -> Array:
+    """Return F(q̇) (2N,), the actuators' Coulomb friction with a smooth sign; F of equation (36)."""
+    velocity = _coordinates(arm, dq, "dq")
+    force = np.zeros(velocity.size)
+    kernels.add_friction(parameters(arm), velocity, 1.0, force)
     return force
 
 
@@ -93,14 +103,14 @@ def gravity_vector(arm: Arm, q: ArrayLike) -> Array:
 
 def stiffness_matrix(arm: Arm, q: ArrayLike) -> Array:
     """Return ∂G/∂q (2N, 2N), symmetric."""
-    position = _coordinates(arm, q, "q")
+    position = _lengthened(arm, _coordinates(arm, q, "q"), arm.payload_offset)
     K = np.empty((position.size, position.size))
-    matrices.stiffness_matrix(parameters(arm), position, _directions(position), K)
-    return K
+    matrices.stiffness_matrix(_with_payload(arm), position, _directions(position), K)
+    return _own(arm, K)
 
 
 def inverse_dynamics(arm: Arm, q: ArrayLike, dq: ArrayLike, ddq: ArrayLike) -> Array:
-    """Return Q (2N,) = D q̈ + C q̇ + B q̇ + G, the generalized force that moves the arm so."""
+    """Return Q (2N,) = D q̈ + C q̇ + B q̇ + F + G, the generalized force that moves the arm so."""
     position = _coordinates(arm, q, "q")
     force = np.empty(position.size)
     kernels.inverse_dynamics(
@@ -160,8 +170,9 @@ def actuator_forces(arm: Arm, q: ArrayLike, generalized_force: ArrayLike, readin
 
 def energy(arm: Arm, q: ArrayLike, dq: ArrayLike) -> Energy:
     """Return the kinetic and potential energy; equations (4) and (5) corrected."""
-    position = _coordinates(arm, q, "q")
-    return Energy(*matrices.energy(parameters(arm), position, _coordinates(arm, dq, "dq"), _directions(position)))
+    position = _lengthened(arm, _coordinates(arm, q, "q"), arm.payload_offset)
+    velocity = _lengthened(arm, _coordinates(arm, dq, "dq"), 0.0)
+    return Energy(*matrices.energy(_with_payload(arm), position, velocity, _directions(position)))
 
 
 @functools.lru_cache(maxsize=256)
@@ -207,7 +218,8 @@ def substeps(arm: Arm, step: float) -> int:
     q = equilibrium(arm)
     n = q.size
     model = parameters(arm)
-    B = np.stack([damping_vector(arm, unit) for unit in np.eye(n)], axis=1)
+    steepest = msgspec.structs.replace(arm, damping=model.damping + model.friction / kernels.SLIP_SPEED)
+    B = np.stack([damping_vector(steepest, unit) for unit in np.eye(n)], axis=1)
     D = mass_matrix(arm, q)
     system = np.zeros((2 * n, 2 * n))
     system[:n, n:] = np.eye(n)
@@ -230,6 +242,40 @@ def _coordinates(arm: Arm, values: ArrayLike, name: str) -> Array:
     if not vector.flags.writeable:
         vector = vector.copy()
     return vector
+
+
+@functools.lru_cache(maxsize=256)
+def _with_payload(arm: Arm) -> kernels.Parameters:
+    """Return the arm's parameters with its payload as one more module, which cannot move, for the matrices."""
+    model = parameters(arm)
+    if arm.payload == 0.0:
+        return model
+    nothing = np.zeros((2, 1))
+    return model._replace(
+        mass=read_only([*model.mass, arm.payload]),
+        inertia=read_only([*model.inertia, 0.0]),
+        half_rod=read_only([*model.half_rod, 1.0]),
+        rest_length=read_only([*model.rest_length, 1.0]),
+        stiffness=read_only(np.hstack([model.stiffness, nothing])),
+        damping=read_only(np.hstack([model.damping, nothing])),
+        friction=read_only(np.hstack([model.friction, nothing])),
+        payload=0.0,
+    )
+
+
+def _lengthened(arm: Arm, values: Array, length: float) -> Array:
+    """Return positions or velocities (2N,) with those of the module that stands for the payload, if there is one."""
+    if arm.payload == 0.0:
+        return values
+    return np.insert(values, [arm.n_modules, 2 * arm.n_modules], [length, 0.0])
+
+
+def _own(arm: Arm, matrix: Array) -> Array:
+    """Return a matrix without the rows and columns of the module that stands for the payload."""
+    if arm.payload == 0.0:
+        return matrix
+    extra = [arm.n_modules, 2 * arm.n_modules + 1]
+    return np.delete(np.delete(matrix, extra, axis=0), extra, axis=1)
 
 
 def _directions(q: Array) -> kernels.Workspace:

@@ -8,15 +8,17 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robot import dynamics
+from robot import controllers, disturbance, dynamics, kinematics, lyapunov
 from robot.arm import Arm, parameters, read_only
-from robot.controllers import ControlLaw, FuzzyFlc, Pid
+from robot.controllers import AdaptiveFuzzyFlc, AdaptiveFuzzyPid, ControlLaw
+from robot.controllers.adaptive import basis_size
 from robot.controllers.fuzzy import Directory
 from robot.errors import InvalidControllerError, RobotError
 from robot.kernels import closed_loop
 from robot.kernels import control as codes
 from robot.metrics import Metrics, measure
-from robot.scenario import STEP, Scenario, Sinus, Step
+from robot.reference import reference_arrays
+from robot.scenario import STEP, Scenario, Step
 
 Array = NDArray[np.float64]
 
@@ -29,6 +31,9 @@ _SIGNALS: tuple[Literal["fuzzy output", "control force", "position", "velocity"]
     "position",
     "velocity",
 )
+STOP_RATIO = 100.0
+"""Stiffness of the stops in units of the arm's stiffest spring."""
+
 _NEVER = 1 << 62
 
 
@@ -63,11 +68,13 @@ class Run(NamedTuple):
         dq: (n, 2N) velocity.
         reference: (n, 2N) qd.
         dreference: (n, 2N) its rate.
-        forces: (n, 2N) actuator forces F11, F21, F12, ... within their limits, N.
+        forces: (n, 2N) actuator forces F11, F21, F12, ... within their limits and behind their valves, N.
         control: (n, 2N) generalized force Q that the controller asked for, N and N m.
-        disturbance: (n, 2N) generalized force of the disturbance, N and N m.
+        disturbance: (n, 2N) generalized force of noise and pulses, N and N m; noise on measurement or reference is
+            given as it is, m and rad.
         inputs: (n, 2N, 2) inputs (GE e, GC ė) of the fuzzy blocks before clamping; 0 for laws without fuzzy blocks.
         output: (n, 2N) their outputs T; 0 for laws without.
+        learned: (n, 2N) |θ|² of the blocks that learn; 0 for laws without.
         activity: (2N, n_rules) largest firing strength of each rule in the run; (2N, 0) for laws without.
         stopped: None, or why the run ended before its time.
     """
@@ -86,8 +93,26 @@ class Run(NamedTuple):
     disturbance: Array
     inputs: Array
     output: Array
+    learned: Array
     activity: Array
     stopped: Stop | None
+
+    def shortest_actuator(self) -> Array:
+        """Return the length (n,) of the shortest actuator, s - (l/2)|θ|, m."""
+        return kinematics.shortest_actuator(self.arm, self.q)
+
+    @property
+    def is_physical(self) -> bool:
+        """Whether every actuator kept a positive length: what else the model computes, no real arm can do."""
+        return len(self.t) == 0 or float(self.shortest_actuator().min()) > 0.0
+
+    def lyapunov(self) -> Array:
+        """Return the law's Lyapunov function (n,) over time; see :mod:`robot.lyapunov`.
+
+        Raises:
+            InvalidControllerError: A law for which none is known.
+        """
+        return lyapunov.values(self.scenario.plant(self.arm), self.controller, self.reference, self.dreference, self)
 
     def metrics(self) -> Metrics:
         """Return the figures of merit; see :class:`robot.metrics.Metrics`."""
@@ -171,10 +196,14 @@ class Simulation:
             integral=np.zeros(self._size),
             output=np.zeros(self._size),
             activity=np.zeros((self._size, 0)),
+            weights=np.zeros((self._size, 0)),
+            filtered=np.stack([self.start, np.zeros(self._size)]),
+            applied=np.zeros(self._size),
         )
         self._log = _new_log(round(history / STEP), self._size)
         self._directory: Directory | None = None
         self._start_disturbance()
+        self._reference = reference_arrays(self._plant, self.start, scenario)
         self.use(controller)
 
     def _start_disturbance(self) -> None:
@@ -185,9 +214,13 @@ class Simulation:
             self._samples = iter(())
             self._noise = np.zeros((1, self._size))
             return
-        target = self.start + scenario.amplitude(self.arm.n_modules)
         self._hold = max(1, round(scenario.disturbance.hold_time / STEP))
-        self._samples = scenario.disturbance.samples(dynamics.gravity_vector(self._plant, target))
+        if scenario.disturbance.channel == "force":
+            target = self.start + scenario.amplitude(self.arm.n_modules)
+            signal = dynamics.gravity_vector(self._plant, target)
+        else:
+            signal = scenario.scale(self.arm.n_modules)
+        self._samples = scenario.disturbance.samples(signal)
         self._noise = next(self._samples)
 
     def use(self, controller: ControlLaw) -> None:
@@ -204,8 +237,13 @@ class Simulation:
         self.controller = controller
         had_blocks, self._directory = self._directory is not None, None
         n_rules = 0
-        if isinstance(controller, FuzzyFlc):
-            self._directory = controller.directory()
+        inference = controllers.inference_of(controller)
+        n_basis = 0
+        if inference is not None:
+            # The kernel holds addresses only: whoever has the directory keeps the arrays alive.
+            self._directory = inference.directory()
+            if isinstance(controller, AdaptiveFuzzyFlc | AdaptiveFuzzyPid):
+                n_basis = basis_size(inference)
             n_rules = self._directory.workspace.strength.size
             if not had_blocks:
                 self._state.output[:] = self._directory.workspace.output[0]
@@ -213,29 +251,27 @@ class Simulation:
             self._state.output[:] = 0.0
         if self._state.activity.shape[1] != n_rules:
             self._state = self._state._replace(activity=np.zeros((self._size, n_rules)))
-        lower, upper = scenario.force_limits or (-math.inf, math.inf)
+        if self._state.weights.shape[1] != n_basis:
+            self._state = self._state._replace(weights=np.zeros((self._size, n_basis)))
+        plant = parameters(self._plant)
+        if scenario.stops:
+            plant = plant._replace(stop_stiffness=STOP_RATIO * float(plant.stiffness.max()))
+        noise = scenario.disturbance
         self._loop = closed_loop.Loop(
-            plant=parameters(self._plant),
-            model=parameters(self.arm if isinstance(controller, Pid) else controller.model),
+            plant=plant,
+            model=parameters(controllers.model_of(controller) or self.arm),
             law=law,
-            reference=self._reference(),
+            reference=self._reference,
             reading=dynamics.READINGS[scenario.reading],
-            lower=lower,
-            upper=upper,
+            actuators=_actuators(scenario),
+            channel=disturbance.CHANNELS["force" if noise is None else noise.channel],
+            events=disturbance.events(scenario.pulses, scenario.pushes, self.arm.coordinates, STEP),
             step=STEP,
             substeps=dynamics.substeps(self._plant, STEP),
             hold=self._hold,
             reach=read_only(np.repeat([REACH * max(parameters(self._plant).rest_length), REACH], self._size // 2)),
             load=self.load,
         )
-
-    def _reference(self) -> codes.ReferenceArrays:
-        amplitude = read_only(self.scenario.amplitude(self.arm.n_modules))
-        match self.scenario.reference:
-            case Step():
-                return codes.ReferenceArrays(codes.STEP, read_only(self.start), amplitude, 0.0)
-            case Sinus(frequency=frequency):
-                return codes.ReferenceArrays(codes.SINUS, read_only(self.start), amplitude, 2 * math.pi * frequency)
 
     @property
     def tick(self) -> int:
@@ -344,6 +380,14 @@ def simulate(arm: Arm, controller: ControlLaw, scenario: Scenario) -> Run:
     simulation = Simulation(arm, controller, scenario, history=rows * STEP)
     made = simulation.advance(rows)
     return simulation._as_run(0, closed_loop.Log(*(array[:made] for array in simulation._log)))
+
+
+def _actuators(scenario: Scenario) -> codes.Actuators:
+    lower, upper = scenario.force_limits or (-math.inf, math.inf)
+    if scenario.valve_time == 0.0:
+        return codes.Actuators(lower, upper, 0.0, 0.0)
+    steps = STEP / scenario.valve_time
+    return codes.Actuators(lower, upper, math.exp(-steps), -math.expm1(-steps) / steps)
 
 
 def _rows(ring: Array, first: int, end: int) -> Array:

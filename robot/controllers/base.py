@@ -10,6 +10,7 @@ import numbers
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,20 +24,36 @@ ACCELERATION = 0
 FORCE = 1
 """Row of the gains that act on the generalized forces directly."""
 
+MODEL_FREE = 0
+LINEARIZING = 1
+GRAVITY = 2
+"""What the controller's model adds to Q: nothing; the inverse dynamics; springs, gravity and Coulomb friction."""
+
+NO_BLOCKS = 0
+ADDED = 1
+SCALING = 2
+ADAPTED_SETS = 3
+ADAPTED_GAUSSIANS = 4
+"""What the fuzzy blocks do: nothing; add to the law; multiply its gains; add what they learn, on the edited sets or
+on Gaussian ones."""
+
 
 class Law(NamedTuple):
     """A control law as the kernel reads it; every law of this package is one choice of these arrays.
 
     With e = qd - q and T the fuzzy block's output divided by its largest value:
 
-        v = q̈d + Kp e + Kd ė + Ki ∫e dt + GU T                 (row ACCELERATION of the gains)
-        Q = [D̂ v + Ĉ q̇ + B̂ q̇ + Ĝ]  +  Kp e + Kd ė + Ki ∫e dt + GU T   (row FORCE; brackets if linearizing)
+        v = q̈d + Kp e + Kd ė + Ki ∫e dt + GU T                        (row ACCELERATION of the gains)
+        Q = [D̂ v + Ĉ q̇ + B̂ q̇ + F̂ + Ĝ]  +  Kp e + Kd ė + Ki ∫e dt + GU T   (row FORCE; brackets if LINEARIZING)
+
+    GRAVITY puts F̂ + Ĝ in the brackets. SCALING blocks multiply: (Kp e + Kd ė + Ki ∫e dt) (1 + GU |T|). Adapted blocks
+    give T = θᵀ ξ(GE e, GC ė) with dθ/dt = ξ (adaptation[0] e + adaptation[1] ė) - leak θ; equations (39)-(43).
     """
 
-    linearizing: int
-    """1 if Q holds the inverse dynamics of the controller's model."""
+    model: int
+    """MODEL_FREE, LINEARIZING or GRAVITY."""
     fuzzy: int
-    """1 if one fuzzy block a coordinate is evaluated."""
+    """NO_BLOCKS, ADDED, SCALING, ADAPTED_SETS or ADAPTED_GAUSSIANS; one block a coordinate."""
     Kp: Array
     """(2, 2N) 1/s² and N/m or N m/rad."""
     Kd: Array
@@ -51,6 +68,10 @@ class Law(NamedTuple):
     """1 / T_max."""
     band: Array
     """(2N,) the integral acts where |e| is at most this; m or rad."""
+    adaptation: Array
+    """(2, 2N) rates γ p12 and γ p22 of the adapted blocks."""
+    leak: Array
+    """(2N,) σ of the adapted blocks, 1/s."""
 
 
 def law(
@@ -64,6 +85,9 @@ def law(
     scale: Sequence[Sequence[float]] | None = None,
     output_scale: float = 0.0,
     band: Sequence[float] | None = None,
+    blocks: int = ADDED,
+    adaptation: Sequence[Sequence[float]] | None = None,
+    leak: Sequence[float] | None = None,
 ) -> Law:
     """Return a law whose gains all act at one level: on accelerations if linearizing, otherwise on forces."""
     level = ACCELERATION if linearizing else FORCE
@@ -75,8 +99,8 @@ def law(
         return array
 
     return Law(
-        linearizing=int(linearizing),
-        fuzzy=int(scale is not None),
+        model=LINEARIZING if linearizing else MODEL_FREE,
+        fuzzy=NO_BLOCKS if scale is None else blocks,
         Kp=rows(Kp),
         Kd=rows(Kd),
         Ki=rows(Ki),
@@ -84,7 +108,16 @@ def law(
         scale=np.zeros((size, 2)) if scale is None else np.array(scale, dtype=np.float64),
         output_scale=float(output_scale),
         band=np.full(size, np.inf) if band is None else np.array(band, dtype=np.float64),
+        adaptation=np.zeros((2, size)) if adaptation is None else np.array(adaptation, dtype=np.float64),
+        leak=np.zeros(size) if leak is None else np.array(leak, dtype=np.float64),
     )
+
+
+def keep_checked(struct: msgspec.Struct, names: Iterable[str], size: int | None) -> None:
+    """Check the gains of a law (see :func:`checked_gains`) and keep them as tuples; only ``band`` may be infinite."""
+    for name in names:
+        gains = checked_gains(getattr(struct, name), size, name, infinite=name == "band")
+        msgspec.structs.force_setattr(struct, name, gains)
 
 
 def checked_gains(values: object, size: int | None, name: str, *, infinite: bool = False) -> tuple[float, ...]:

@@ -9,10 +9,12 @@ import msgspec
 import numpy as np
 
 from fuzzy.inference import Controller
-from fuzzy.kernels.address import Directory, workspace_at
+from fuzzy.kernels import firing, membership
+from fuzzy.kernels.address import Directory as Directory
+from fuzzy.kernels.address import tables_at, workspace_at
 from fuzzy.kernels.inference import evaluate
 from robot.arm import Arm
-from robot.controllers.base import Array, Law, checked_gains, law
+from robot.controllers.base import ADAPTED_GAUSSIANS, Array, Law, keep_checked, law
 from robot.controllers.feedback_linearization import DAMPING_RATIO, NATURAL_FREQUENCY, placed
 from robot.errors import InvalidControllerError
 from robot.kernels.jit import counting_kernel
@@ -62,16 +64,8 @@ class FuzzyFlc(msgspec.Struct, frozen=True):
 
     def __post_init__(self) -> None:
         size = 2 * self.model.n_modules
-        for name in ("kp", "kv", "ki", "gu", "ge", "gc", "band"):
-            gains = checked_gains(getattr(self, name), size, name, infinite=name == "band")
-            msgspec.structs.force_setattr(self, name, gains)
-        system = self.inference.system
-        if len(system.inputs) != 2 or len(system.outputs) != 1:
-            raise InvalidControllerError(
-                f"found a fuzzy system with {len(system.inputs)} inputs and {len(system.outputs)} outputs; "
-                "valid: two inputs (e and its rate) and one output",
-                "inference",
-            )
+        keep_checked(self, ("kp", "kv", "ki", "gu", "ge", "gc", "band"), size)
+        check_blocks(self.inference)
 
     @staticmethod
     def default(
@@ -107,7 +101,6 @@ class FuzzyFlc(msgspec.Struct, frozen=True):
 
     def law(self) -> Law:
         """Return the gains as the kernel reads them."""
-        output = self.inference.system.outputs[0]
         return law(
             size=len(self.kp),
             linearizing=True,
@@ -116,13 +109,30 @@ class FuzzyFlc(msgspec.Struct, frozen=True):
             Ki=self.ki,
             GU=self.gu,
             scale=np.stack([self.ge, self.gc], axis=1).tolist(),
-            output_scale=1.0 / max(abs(output.low), abs(output.high)),
+            output_scale=output_scale(self.inference),
             band=self.band,
         )
 
-    def directory(self) -> Directory:
-        """Return the compiled system with a workspace of its own; the simulation must keep it alive."""
-        return self.inference.directory()
+
+def check_blocks(inference: Controller) -> None:
+    """Refuse a fuzzy system that is no block of a coordinate.
+
+    Raises:
+        InvalidControllerError: Other than two inputs and one output.
+    """
+    system = inference.system
+    if len(system.inputs) != 2 or len(system.outputs) != 1:
+        raise InvalidControllerError(
+            f"found a fuzzy system with {len(system.inputs)} inputs and {len(system.outputs)} outputs; "
+            "valid: two inputs (e and its rate) and one output",
+            "inference",
+        )
+
+
+def output_scale(inference: Controller) -> float:
+    """Return 1 / T_max of a fuzzy block."""
+    output = inference.system.outputs[0]
+    return 1.0 / max(abs(output.low), abs(output.high))
 
 
 @counting_kernel
@@ -151,3 +161,82 @@ def fuzzy_blocks(
         for k in range(fired):
             rule = workspace.fired[k]
             activity[i, rule] = max(activity[i, rule], workspace.strength[rule])
+
+
+@counting_kernel
+def adaptive_blocks(
+    address: int,
+    law: Law,
+    step: float,
+    e: Array,
+    de: Array,
+    x: Array,
+    basis: Array,
+    weights: Array,
+    learned: Array,
+    output: Array,
+    activity: Array,
+) -> None:
+    """Write T = θᵀ ξ of every coordinate and adapt θ; equations (39)-(43).
+
+    ξ = products of one degree of each input's sets, divided by their sum: of the edited sets (first type), or of
+    Gaussian sets, as many, evenly spread over the inputs' ranges (second type). Rules and output sets play no part.
+
+    Args:
+        address: Of the compiled system and its workspace.
+        law: Scales and rates.
+        step: Control step, s; θ is advanced by Euler's rule.
+        e: (2N,) error.
+        de: (2N,) its rate.
+        x: (2N, 2) out, the blocks' inputs.
+        basis: (n_basis,) out, ξ of the last coordinate; 0 where no set has a degree.
+        weights: (2N, n_basis) θ in and out.
+        learned: (2N,) out, |θ|² before the step.
+        output: (2N,) out, T; NaN where the error is not finite.
+        activity: (2N, n_rules) in and out, the largest firing strength so far.
+    """
+    tables = tables_at(address)
+    workspace = workspace_at(address)
+    rows = tables.input_start[1]
+    columns = tables.input_start[2] - rows
+    for i in range(output.size):
+        x[i, 0] = law.scale[i, 0] * e[i]
+        x[i, 1] = law.scale[i, 1] * de[i]
+        if not (math.isfinite(x[i, 0]) and math.isfinite(x[i, 1])):
+            output[i] = math.nan
+            continue
+        membership.fuzzify(address, x[i])
+        for k in range(firing.fire(address)):
+            rule = workspace.fired[k]
+            activity[i, rule] = max(activity[i, rule], workspace.strength[rule])
+        degrees = workspace.membership
+        if law.fuzzy == ADAPTED_GAUSSIANS:
+            _gaussian_degrees(x[i, 0], tables.input_range[0], degrees[:rows])
+            _gaussian_degrees(x[i, 1], tables.input_range[1], degrees[rows : rows + columns])
+        total = 0.0
+        for row in range(rows):
+            for column in range(columns):
+                basis[row * columns + column] = degrees[row] * degrees[rows + column]
+                total += basis[row * columns + column]
+        share = 1.0 / total if total > 0.0 else 0.0
+        rate = law.adaptation[0, i] * e[i] + law.adaptation[1, i] * de[i]
+        value = 0.0
+        squares = 0.0
+        for k in range(basis.size):
+            weight = weights[i, k]
+            degree = share * basis[k]
+            value += weight * degree
+            squares += weight * weight
+            weights[i, k] = weight + step * (degree * rate - law.leak[i] * weight)
+        output[i] = value
+        learned[i] = squares
+
+
+@counting_kernel
+def _gaussian_degrees(x: float, limits: Array, degrees: Array) -> None:
+    """Write the degrees (n,) of n Gaussian sets, evenly spread over the limits; neighbours cross at 0.5."""
+    spacing = (limits[1] - limits[0]) / max(degrees.size - 1, 1)
+    value = min(max(x, limits[0]), limits[1])
+    for k in range(degrees.size):
+        distance = (value - limits[0]) / spacing - k
+        degrees[k] = math.exp(-4.0 * math.log(2.0) * distance * distance)

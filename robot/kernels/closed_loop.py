@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzy.kernels.jit import kernel
-from robot.controllers.base import Law
-from robot.controllers.fuzzy import fuzzy_blocks
+from robot.controllers.base import ADAPTED_SETS, Law
+from robot.controllers.fuzzy import adaptive_blocks, fuzzy_blocks
 from robot.kernels import control, dynamics, integration
-from robot.kernels.control import ReferenceArrays, Signals
+from robot.kernels.control import Actuators, Events, ReferenceArrays, Signals
 from robot.kernels.dynamics import Array, Parameters, Workspace
 from robot.kernels.integration import Stages
 from robot.kernels.jit import borrowing_kernel
@@ -32,10 +32,10 @@ class Loop(NamedTuple):
     law: Law
     reference: ReferenceArrays
     reading: int
-    lower: float
-    """Least actuator force, N; may be -inf."""
-    upper: float
-    """Greatest actuator force, N; may be inf."""
+    actuators: Actuators
+    channel: int
+    """What the disturbance acts on."""
+    events: Events
     step: float
     """Control step, s."""
     substeps: int
@@ -59,6 +59,12 @@ class State(NamedTuple):
     """Last outputs of the fuzzy blocks."""
     activity: Array
     """(2N, n_rules) largest firing strength of every rule so far."""
+    weights: Array
+    """(2N, n_basis) θ of the adapted blocks."""
+    filtered: Array
+    """(2, 2N) output of the prefilter and its rate."""
+    applied: Array
+    """Actuator forces behind the valves."""
 
 
 class Following(NamedTuple):
@@ -89,6 +95,8 @@ class Log(NamedTuple):
     """(rows, 2N, 2) inputs of the fuzzy blocks; 0 without any."""
     output: Array
     """(rows, 2N) outputs T of the fuzzy blocks; 0 without any."""
+    learned: Array
+    """(rows, 2N) |θ|² of the adapted blocks; 0 without any."""
 
 
 @kernel
@@ -105,7 +113,7 @@ def run(
         address: Of the compiled fuzzy system and its workspace; 0 for laws without one.
         first: Number of the first step.
         count: Number of steps.
-        noise: (samples, 2N) disturbance, N and N m.
+        noise: (samples, 2N) disturbance; N and N m on forces, m and rad on measurement or reference.
         first_sample: Number of the first row of ``noise`` among all samples.
         state: In and out.
         log: In and out.
@@ -118,7 +126,11 @@ def run(
     stages = integration.new_stages(size)
     signals = control.new_signals(size)
     following = Following(np.empty(size), np.empty(size))
-    return _run(loop, address, first, count, noise, first_sample, state, log, work, stages, signals, following)
+    basis = np.zeros(state.weights.shape[1])
+    learned = np.zeros(size)
+    return _run(
+        loop, address, first, count, noise, first_sample, state, log, work, stages, signals, following, basis, learned
+    )
 
 
 @borrowing_kernel
@@ -135,24 +147,50 @@ def _run(
     stages: Stages,
     signals: Signals,
     following: Following,
+    basis: Array,
+    learned: Array,
 ) -> tuple[int, int, int]:
     """Do what ``run`` says, with all memory given."""
     for k in range(first, first + count):
-        control.observe(loop.reference, k * loop.step, state.q, state.dq, signals)
-        if loop.law.fuzzy:
+        noise_now = noise[k // loop.hold - first_sample]
+        control.observe(
+            loop.reference, k, loop.step, loop.channel, noise_now, state.q, state.dq, state.filtered, signals
+        )
+        if loop.law.fuzzy >= ADAPTED_SETS:
+            adaptive_blocks(
+                address,
+                loop.law,
+                loop.step,
+                signals.e,
+                signals.de,
+                signals.x,
+                basis,
+                state.weights,
+                learned,
+                state.output,
+                state.activity,
+            )
+        elif loop.law.fuzzy:
             fuzzy_blocks(
                 address, loop.law.scale, signals.e, signals.de, signals.x, signals.block, state.output, state.activity
             )
-        dynamics.directions(state.q, work)
-        control.control(loop.law, loop.model, state.q, state.dq, state.integral, state.output, work, signals)
+        dynamics.directions(signals.seen, work)
+        control.control(loop.law, loop.model, state.dq, state.integral, state.output, work, signals)
         for i in range(state.q.size):
             if not math.isfinite(state.output[i]):
                 return k - first, FUZZY_OUTPUT, i
             if not math.isfinite(signals.Q[i]):
                 return k - first, FORCE, i
-        control.actuate(loop.model, loop.reading, loop.lower, loop.upper, state.q, work, signals)
-        disturbance = noise[k // loop.hold - first_sample]
-        _write(k % log.q.shape[0], state, signals, disturbance, log)
+        control.actuate(loop.model, loop.reading, loop.actuators, state.applied, work, signals)
+        control.disturb(k, loop.channel, noise_now, loop.events, loop.load, signals)
+        _write(
+            k % log.q.shape[0],
+            state,
+            signals,
+            signals.external if loop.channel == control.ON_FORCE else noise_now,
+            learned,
+            log,
+        )
         control.integrate_error(loop.law, loop.step, signals, state.integral)
         for i in range(state.q.size):
             following.q[i] = state.q[i]
@@ -163,8 +201,8 @@ def _run(
             following.q,
             following.dq,
             signals.tau,
-            disturbance,
-            loop.load,
+            signals.external,
+            signals.load,
             loop.step,
             loop.substeps,
             work,
@@ -182,7 +220,7 @@ def _run(
 
 
 @borrowing_kernel
-def _write(row: int, state: State, signals: Signals, disturbance: Array, log: Log) -> None:
+def _write(row: int, state: State, signals: Signals, disturbance: Array, learned: Array, log: Log) -> None:
     for i in range(state.q.size):
         log.q[row, i] = state.q[i]
         log.dq[row, i] = state.dq[i]
@@ -194,3 +232,4 @@ def _write(row: int, state: State, signals: Signals, disturbance: Array, log: Lo
         log.inputs[row, i, 0] = signals.x[i, 0]
         log.inputs[row, i, 1] = signals.x[i, 1]
         log.output[row, i] = state.output[i]
+        log.learned[row, i] = learned[i]

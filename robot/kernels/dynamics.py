@@ -33,6 +33,12 @@ from robot.kernels.jit import borrowing_kernel
 
 Array = NDArray[np.float64]
 
+SLIP_SPEED = 0.02
+"""m/s; Coulomb friction reaches 71 % of its force at this speed: sign(v) is taken as v / √(v² + SLIP_SPEED²)."""
+
+STOP_LENGTH = 0.01
+"""m; actuators that get shorter than this meet their stops."""
+
 
 class Parameters(NamedTuple):
     """An arm as kernels read it: read-only arrays, row 0 of a pair is actuator 1."""
@@ -51,6 +57,16 @@ class Parameters(NamedTuple):
     """(2, N) N s/m."""
     gravity: float
     """m/s²."""
+    friction: Array
+    """(2, N) N, Coulomb friction."""
+    has_friction: int
+    """1 if any friction is not 0."""
+    payload: float
+    """kg, carried by the last rod."""
+    payload_offset: float
+    """m, from the last rod's centre along the rod's normal."""
+    stop_stiffness: float
+    """N/m, of the stops of the actuators' lengths; 0 for none."""
 
 
 class Workspace(NamedTuple):
@@ -103,6 +119,18 @@ def directions(q: Array, work: Workspace) -> None:
 
 
 @borrowing_kernel
+def _tip_direction(q: Array, work: Workspace) -> tuple[float, float]:
+    """Return sin and cos of the last rod's absolute angle. Needs ``directions(q, work)``."""
+    n = q.size // 2
+    sine = math.sin(q[2 * n - 1])
+    cosine = math.cos(q[2 * n - 1])
+    return (
+        work.sine[n - 1] * cosine + work.cosine[n - 1] * sine,
+        work.cosine[n - 1] * cosine - work.sine[n - 1] * sine,
+    )
+
+
+@borrowing_kernel
 def rigid_body_force(
     arm: Parameters, q: Array, dq: Array, ddq: Array, gravity: float, work: Workspace, Q: Array
 ) -> None:
@@ -138,6 +166,12 @@ def rigid_body_force(
         Q[n + k] = arm.inertia[k] * dw
     f1 = 0.0
     f3 = 0.0
+    if arm.payload > 0.0:
+        sine, cosine = _tip_direction(q, work)
+        offset = arm.payload_offset
+        f1 = arm.payload * (a1 + offset * (dw * cosine - w * w * sine))
+        f3 = arm.payload * (a3 - offset * (dw * sine + w * w * cosine) - gravity)
+        Q[2 * n - 1] += offset * (f1 * cosine - f3 * sine)
     for k in range(n - 1, -1, -1):
         sine = work.sine[k]
         cosine = work.cosine[k]
@@ -160,22 +194,63 @@ def add_passive_force(arm: Parameters, q: Array, dq: Array, sign: float, Q: Arra
         second = arm.stiffness[1, k] * (stretch - lever * q[n + k]) + arm.damping[1, k] * (dq[k] - lever * dq[n + k])
         Q[k] += sign * (first + second)
         Q[n + k] += sign * lever * (first - second)
+    if arm.has_friction:
+        add_friction(arm, dq, sign, Q)
+    if arm.stop_stiffness > 0.0:
+        add_stops(arm, q, sign, Q)
+
+
+@borrowing_kernel
+def add_friction(arm: Parameters, dq: Array, sign: float, Q: Array) -> None:
+    """Add ``sign`` times the actuators' Coulomb friction, with a smooth sign of their speeds, to Q (2N,); F of (36)."""
+    n = arm.mass.size
+    for k in range(n):
+        lever = arm.half_rod[k]
+        speed = dq[k] + lever * dq[n + k]
+        first = arm.friction[0, k] * speed / math.sqrt(speed * speed + SLIP_SPEED * SLIP_SPEED)
+        speed = dq[k] - lever * dq[n + k]
+        second = arm.friction[1, k] * speed / math.sqrt(speed * speed + SLIP_SPEED * SLIP_SPEED)
+        Q[k] += sign * (first + second)
+        Q[n + k] += sign * lever * (first - second)
+
+
+@borrowing_kernel
+def add_stops(arm: Parameters, q: Array, sign: float, Q: Array) -> None:
+    """Add ``sign`` times what the stops oppose to actuators shorter than ``STOP_LENGTH`` to Q (2N,)."""
+    n = arm.mass.size
+    for k in range(n):
+        lever = arm.half_rod[k]
+        first = -_stop(q[k] + lever * q[n + k], arm.stop_stiffness)
+        second = -_stop(q[k] - lever * q[n + k], arm.stop_stiffness)
+        Q[k] += sign * (first + second)
+        Q[n + k] += sign * lever * (first - second)
+
+
+@borrowing_kernel
+def _stop(length: float, stiffness: float) -> float:
+    """Return the push of a stop: it sets in with slope 0, and below length 0 its slope is the stiffness."""
+    if length >= STOP_LENGTH:
+        return 0.0
+    if length <= 0.0:
+        return stiffness * (0.5 * STOP_LENGTH - length)
+    return 0.5 * stiffness * (STOP_LENGTH - length) ** 2 / STOP_LENGTH
 
 
 @borrowing_kernel
 def inverse_dynamics(arm: Parameters, q: Array, dq: Array, ddq: Array, work: Workspace, Q: Array) -> None:
-    """Write Q = D ddq + C dq + B dq + G, the force that moves the arm so. Needs ``directions(q, work)``."""
+    """Write Q = D ddq + C dq + B dq + F + G, the force that moves the arm so. Needs ``directions(q, work)``."""
     rigid_body_force(arm, q, dq, ddq, arm.gravity, work, Q)
     add_passive_force(arm, q, dq, 1.0, Q)
 
 
 @borrowing_kernel
 def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array, work: Workspace, ddq: Array) -> None:
-    """Write the acceleration that solves D ddq + C dq + B dq + G = Q + forces of the loads.
+    """Write the acceleration that solves D ddq + C dq + B dq + F + G = Q + forces of the loads.
 
     Articulated bodies: from the tip to the base every link hands on the force that its tail opposes to an
     acceleration a of the link's start, f = (m + beta n nᵀ) a + c. Because the link slides freely along d, only the
-    direction n across it carries inertia, so that a link costs two divisions and no matrix is factorised.
+    direction n across it carries inertia, so that a link costs two divisions and no matrix is factorised. A payload
+    is a link that cannot slide: its f has the same form, with a negative beta.
     Needs ``directions(q, work)``.
 
     Args:
@@ -198,8 +273,25 @@ def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array
     c3 = 0.0
     next_sine = 0.0
     next_cosine = 1.0
+    tip_share = 0.0
+    tip_sine = 0.0
+    tip_cosine = 1.0
+    if arm.payload > 0.0:
+        tip_sine, tip_cosine = _tip_direction(q, work)
+        next_sine = tip_sine
+        next_cosine = tip_cosine
+        lever = arm.payload * arm.payload_offset
+        spin = w + dq[2 * n - 1]
+        tip_share = 1.0 / (arm.inertia[n - 1] + lever * arm.payload_offset)
+        beta = -lever * lever * tip_share
+        lateral = beta * arm.gravity * tip_sine + lever * Q[2 * n - 1] * tip_share
+        radial = -lever * spin * spin
+        c1 = radial * tip_sine + lateral * tip_cosine
+        c3 = radial * tip_cosine - lateral * tip_sine
     for k in range(n - 1, -1, -1):
         mass = arm.mass[k]
+        if k == n - 1:
+            mass += arm.payload
         sine = work.sine[k]
         cosine = work.cosine[k]
         c1 -= load[k, 0]
@@ -252,4 +344,9 @@ def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array
         previous = turn
         a1 = slide * sine + lateral * cosine
         a3 = slide * cosine - lateral * sine
-    ddq[2 * n - 1] = Q[2 * n - 1] / arm.inertia[n - 1] - previous
+    if arm.payload > 0.0:
+        lateral = a1 * tip_cosine + (arm.gravity - a3) * tip_sine
+        torque = Q[2 * n - 1] - arm.payload * arm.payload_offset * lateral
+        ddq[2 * n - 1] = torque * tip_share - previous
+    else:
+        ddq[2 * n - 1] = Q[2 * n - 1] / arm.inertia[n - 1] - previous

@@ -35,8 +35,9 @@ def test_sequences_arrays_and_single_numbers_make_equal_arms() -> None:
 
 
 def test_kernels_see_read_only_arrays() -> None:
-    for array in parameters(Arm(**VALID))[:-1]:
-        assert isinstance(array, np.ndarray)
+    arrays = [value for value in parameters(Arm(**VALID)) if isinstance(value, np.ndarray)]
+    assert len(arrays) == 7
+    for array in arrays:
         assert not array.flags.writeable
         assert array.flags.c_contiguous
 
@@ -89,6 +90,11 @@ def test_scaling_a_group_changes_that_group_alone() -> None:
         ("damping", [[4, 4], [4, -0.1]], "damping[1][1]"),
         ("gravity", math.nan, "gravity"),
         ("gravity", None, "gravity"),
+        ("friction", -0.1, "friction[0][0]"),
+        ("friction", [[0.1, 0.1], [0.1, math.nan]], "friction[1][1]"),
+        ("payload", -1.0, "payload"),
+        ("payload", math.inf, "payload"),
+        ("payload_offset", -0.1, "payload_offset"),
     ],
 )
 def test_unphysical_parameters_are_refused_with_field_found_and_valid(field: str, value: object, path: str) -> None:

@@ -395,7 +395,7 @@ def test_the_number_of_integration_steps_follows_the_arm() -> None:
 
 
 def test_unknown_control_laws_are_refused_with_the_valid_names() -> None:
-    with pytest.raises(UnknownNameError, match=r"'pdi'; did you mean 'pid'\? valid: pid, pd_flc, fuzzy_flc"):
+    with pytest.raises(UnknownNameError, match=r"'pdi'; did you mean 'pid'\? valid: pid, pd_flc, fuzzy_flc, "):
         controllers.default("pdi", SOFT, STEP)
     with pytest.raises(InvalidControllerError, match="fuzzy_controller"):
         controllers.default("fuzzy_flc", SOFT, STEP)
