@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from robot.arm import Arm
 from robot.controllers.adaptive import AdaptiveFuzzyFlc, AdaptiveFuzzyPid
 from robot.controllers.base import Array, Law, checked_gains
@@ -19,7 +21,9 @@ from robot.controllers.fuzzy_pid import FuzzyPid, ScaledPid
 from robot.controllers.gravity import PidGravity
 from robot.controllers.pid import Pid
 from robot.errors import InvalidControllerError, UnknownNameError
-from robot.scenario import Scenario
+
+if TYPE_CHECKING:
+    from robot.scenario import Scenario
 
 __all__ = [
     "NAMES",

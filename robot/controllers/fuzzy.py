@@ -11,7 +11,7 @@ import numpy as np
 from fuzzy.inference import Controller
 from fuzzy.kernels import firing, membership
 from fuzzy.kernels.address import Directory as Directory
-from fuzzy.kernels.address import tables_at, workspace_at
+from fuzzy.kernels.address import inputs_at, workspace_at
 from fuzzy.kernels.inference import evaluate
 from robot.arm import Arm
 from robot.controllers.base import ADAPTED_GAUSSIANS, Array, Law, keep_checked, law
@@ -189,30 +189,34 @@ def adaptive_blocks(
         e: (2N,) error.
         de: (2N,) its rate.
         x: (2N, 2) out, the blocks' inputs.
-        basis: (n_basis,) out, ξ of the last coordinate; 0 where no set has a degree.
+        basis: (2 n_basis + 1,) overwritten: products of the last coordinate's degrees, then the degrees.
         weights: (2N, n_basis) θ in and out.
         learned: (2N,) out, |θ|² before the step.
         output: (2N,) out, T; NaN where the error is not finite.
         activity: (2N, n_rules) in and out, the largest firing strength so far.
     """
-    tables = tables_at(address)
+    # ξ is 0 where no set has a degree. As many degrees as there are, r + c, are at most r c + 1.
+    inputs = inputs_at(address)
     workspace = workspace_at(address)
-    rows = tables.input_start[1]
-    columns = tables.input_start[2] - rows
+    rows = inputs.term_start[1]
+    columns = inputs.term_start[2] - rows
+    size = rows * columns
+    degrees = basis[size:]
     for i in range(output.size):
         x[i, 0] = law.scale[i, 0] * e[i]
         x[i, 1] = law.scale[i, 1] * de[i]
-        if not (math.isfinite(x[i, 0]) and math.isfinite(x[i, 1])):
+        if not membership.fuzzify(address, x[i]):
             output[i] = math.nan
             continue
-        membership.fuzzify(address, x[i])
         for k in range(firing.fire(address)):
             rule = workspace.fired[k]
             activity[i, rule] = max(activity[i, rule], workspace.strength[rule])
-        degrees = workspace.membership
         if law.fuzzy == ADAPTED_GAUSSIANS:
-            _gaussian_degrees(x[i, 0], tables.input_range[0], degrees[:rows])
-            _gaussian_degrees(x[i, 1], tables.input_range[1], degrees[rows : rows + columns])
+            _gaussian_degrees(x[i, 0], inputs.range[0], degrees[:rows])
+            _gaussian_degrees(x[i, 1], inputs.range[1], degrees[rows : rows + columns])
+        else:
+            for k in range(rows + columns):
+                degrees[k] = workspace.membership[k]
         total = 0.0
         for row in range(rows):
             for column in range(columns):
@@ -222,7 +226,7 @@ def adaptive_blocks(
         rate = law.adaptation[0, i] * e[i] + law.adaptation[1, i] * de[i]
         value = 0.0
         squares = 0.0
-        for k in range(basis.size):
+        for k in range(size):
             weight = weights[i, k]
             degree = share * basis[k]
             value += weight * degree

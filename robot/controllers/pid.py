@@ -9,8 +9,7 @@ import numpy as np
 
 from robot import dynamics
 from robot.arm import Arm
-from robot.controllers.base import Law, checked_gains, law
-from robot.scenario import STEP
+from robot.controllers.base import STEP, Law, checked_gains, law
 
 PROPORTIONAL, DERIVATIVE, INTEGRAL = 2.0, 0.30, 8.65
 """Default gains in units of the stiffness of each coordinate: 1, s and 1/s."""

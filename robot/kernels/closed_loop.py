@@ -126,7 +126,7 @@ def run(
     stages = integration.new_stages(size)
     signals = control.new_signals(size)
     following = Following(np.empty(size), np.empty(size))
-    basis = np.zeros(state.weights.shape[1])
+    basis = np.zeros(2 * state.weights.shape[1] + 1)
     learned = np.zeros(size)
     return _run(
         loop, address, first, count, noise, first_sample, state, log, work, stages, signals, following, basis, learned
