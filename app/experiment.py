@@ -58,6 +58,6 @@ def scenario_of(setup: Setup) -> Scenario:
 
 def natural_frequency(setup: Setup) -> float | None:
     """Return the natural frequency of the setup's control law, rad/s; None for one that has none."""
-    if setup.controller == "pid":
+    if not controllers.has_natural_frequency(setup.controller):
         return None
     return setup.natural_frequency or controllers.default_natural_frequency(scenario_of(setup))

@@ -24,8 +24,9 @@ from fuzzy.inference import Controller
 from fuzzy.kernels.address import Directory
 from fuzzy.kernels.inference import call
 from fuzzy.system import FuzzySystem
+from robot import controllers
 from robot.arm import Arm, parameters
-from robot.controllers import ControlLaw, FuzzyFlc
+from robot.controllers import ControlLaw
 from robot.errors import RobotError
 from robot.simulation import Run, Sample, Simulation, simulate
 
@@ -284,7 +285,7 @@ class Runner:
         self, arm: Arm, law: ControlLaw, sample: Sample, coordinate: int, factor: float, stopped: str | None
     ) -> Frame:
         inputs = sample.inputs[coordinate]
-        inference = law.inference if isinstance(law, FuzzyFlc) else None
+        inference = controllers.inference_of(law)
         strength = None if inference is None else self._strength(inference, inputs)
         return Frame(
             arm, sample.t, sample.q, sample.reference, sample.forces, inputs, inference, strength, factor, stopped

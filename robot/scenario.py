@@ -13,15 +13,13 @@ from numpy.typing import NDArray
 
 from robot import dynamics
 from robot.arm import Arm
+from robot.controllers.base import STEP
 from robot.disturbance import BandLimitedNoise, Pulse, Push
 from robot.dynamics import Reading
 from robot.errors import InvalidScenarioError, UnknownNameError
 from robot.presets import read_preset
 
 Array = NDArray[np.float64]
-
-STEP = 0.001
-"""Control step, s: the controller acts at 1 kHz, and its forces hold until the next step."""
 
 MAX_DURATION = 600.0
 """Longest scenario, s."""

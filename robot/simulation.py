@@ -12,13 +12,14 @@ from robot import controllers, disturbance, dynamics, kinematics, lyapunov
 from robot.arm import Arm, parameters, read_only
 from robot.controllers import AdaptiveFuzzyFlc, AdaptiveFuzzyPid, ControlLaw
 from robot.controllers.adaptive import basis_size
+from robot.controllers.base import STEP
 from robot.controllers.fuzzy import Directory
 from robot.errors import InvalidControllerError, RobotError
 from robot.kernels import closed_loop
 from robot.kernels import control as codes
 from robot.metrics import Metrics, measure
 from robot.reference import reference_arrays
-from robot.scenario import STEP, Scenario, Step
+from robot.scenario import Scenario, Step
 
 Array = NDArray[np.float64]
 

@@ -20,10 +20,18 @@ _SPEEDS = {f"{speed:g}×": speed for speed in SPEEDS}
 _SOURCES = {"live simulation": "live", "replay of the run": "replay"}
 _DISTURBANCES = {"none": "none", "force_noise": "force noise, 30 % of the holding force"}
 _CONTROLLERS = {
-    "fuzzy_flc": "fuzzy_flc · PID with fuzzy FLC",
-    "pd_flc": "pd_flc · feedback linearization",
-    "pid": "pid · does not use the rules",
+    "pid": "independent PID",
+    "pid_gravity": "PID + gravity model",
+    "pd_flc": "feedback linearization",
+    "pid_flc": "linearization + integral",
+    "parallel": "linearization + PID",
+    "fuzzy_flc": "linearization + rules",
+    "fuzzy_pid": "PID + rules, no model",
+    "adaptive_fuzzy_flc": "linearization + learning",
+    "adaptive_fuzzy_pid": "PID + learning",
+    "scaled_pid": "PID scaled by the rules",
 }
+"""What each control law is, beside its name."""
 _TIME_STEP = 0.01
 _FREQUENCIES = (1.0, 500.0)
 """Natural frequencies that a controller at 1 kHz can have, rad/s."""
@@ -98,7 +106,7 @@ class PlaybackView:
 def _setup_options() -> dict[str, dict[str, str]]:
     """Return, for each field of the experiment, the offered texts and the names that they stand for."""
     return {
-        "controller": {_CONTROLLERS.get(name, name): name for name in controllers.NAMES},
+        "controller": {f"{name} · {_CONTROLLERS[name]}": name for name in controllers.NAMES},
         "scenario": {name: name for name in experiment.scenario_names()},
         "disturbance": {_DISTURBANCES[name]: name for name in experiment.DISTURBANCES},
         "arm": {name: name for name in PRESETS},

@@ -18,6 +18,9 @@ from robot.errors import InvalidControllerError
 
 Array = NDArray[np.float64]
 
+STEP = 0.001
+"""Control step, s: controllers act at 1 kHz, and their forces hold until the next step."""
+
 ACCELERATION = 0
 """Row of the gains that act inside the feedback linearization, on q̈."""
 
