@@ -7,13 +7,14 @@ painting a cell compiles the rules and nothing else.
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple, assert_never
 
 import numpy as np
 
-from fuzzy import geometry, rules, shapes
+from fuzzy import geometry, shapes
 from fuzzy.errors import InvalidSystemError
 from fuzzy.kernels import membership, norms
 from fuzzy.kernels import tables as codes
@@ -47,8 +48,8 @@ def compile_tables(system: FuzzySystem) -> Tables:
     """
     inputs, input_entries = _compile_inputs(system.inputs)
     outputs, output_entries = _compile_outputs(system.outputs, system.inference)
-    rule_tables = _compile_rules(system)
-    listed = np.concatenate([input_entries, entries(_frozen(rule_tables)), output_entries])
+    rule_tables, rule_entries = _compile_rules(system)
+    listed = np.concatenate([input_entries, rule_entries, output_entries])
     listed.flags.writeable = False
     return Tables(inputs, rule_tables, outputs, listed)
 
@@ -208,56 +209,64 @@ def _method(inference: Inference, output: _Output) -> int:
     return codes.ENVELOPE
 
 
-def _compile_rules(system: FuzzySystem) -> RuleTables:
-    program, program_start, weight = _compile_list(system.rules.list, system.inputs)
-    output_numbers = _term_numbers(system.outputs)
-    terms, counts = _table_terms(system, output_numbers)
+def _compile_rules(system: FuzzySystem) -> tuple[RuleTables, Integers]:
+    """Return the rules' tables and their entries. Which term a cell names is all that painting it changes."""
+    table = system.rules.table
+    numbers = _term_numbers(system.outputs)
+    terms: list[int] = []
+    filled: tuple[bool, ...] = ()
+    if table is not None:
+        cells = [cell for row in table.cells for cell in row]
+        filled = tuple(cell is not None for cell in cells)
+        try:
+            terms = [numbers[table.output, cell] for cell in cells if cell is not None]
+        except KeyError as error:
+            raise InvalidSystemError(f"no output term '{' is '.join(error.args[0])}'", "rules.table") from None
     for number, rule in enumerate(system.rules.list):
-        found = _consequents(rule, output_numbers, f"rules.list[{number}]")
-        terms += found
-        counts.append(len(found))
+        terms += _consequents(rule, numbers, f"rules.list[{number}]")
+    axes = None if table is None else (table.rows, table.columns)
     inference = system.inference
-    output_of_term = _output_of_term(system.outputs)
+    operators = (_T_NORM[inference.conjunction], _S_NORM[inference.disjunction])
+    frame, listed = _compile_frame(axes, filled, system.rules.list, system.inputs, operators)
     consequent_term = _integers(terms)
-    consequent_output = output_of_term[consequent_term]
-    return RuleTables(
-        norms=_integers((_T_NORM[inference.conjunction], _S_NORM[inference.disjunction])),
-        grid=_grid(system),
-        grid_input=_grid_input(system),
-        program=program,
-        program_start=program_start,
-        weight=weight,
-        consequent_start=_starts(counts),
-        consequent_term=consequent_term,
-        consequent_output=consequent_output,
-        member_start=_starts(np.bincount(consequent_output, minlength=len(system.outputs))),
-    )
-
-
-def _table_terms(system: FuzzySystem, numbers: Names) -> tuple[list[int], list[int]]:
-    """Return the output term of every rule of the table, and how many each rule has: one."""
-    table = system.rules.table
-    if table is None:
-        return [], []
-    try:
-        terms = [numbers[table.output, cell] for cells in table.cells for cell in cells if cell is not None]
-    except KeyError as error:
-        raise InvalidSystemError(f"no output term '{' is '.join(error.args[0])}'", "rules.table") from None
-    return terms, [1] * len(terms)
-
-
-def _grid(system: FuzzySystem) -> Integers:
-    indices = rules.table_rule_indices(system)
-    return _integers(indices) if indices else np.empty((0, 0), dtype=np.int64)
-
-
-def _grid_input(system: FuzzySystem) -> Integers:
-    table = system.rules.table
-    names = [variable.name for variable in system.inputs]
-    return _integers((0, 0) if table is None else (names.index(table.rows), names.index(table.columns)))
+    consequent_output = _output_of_term(system.outputs)[consequent_term]
+    ends = (consequent_term, consequent_output, _starts(np.bincount(consequent_output, minlength=len(system.outputs))))
+    tables = RuleTables._make((*frame, *ends))
+    return tables, np.concatenate([listed, entries(_frozen(ends))])
 
 
 @functools.lru_cache(maxsize=_KEPT)
+def _compile_frame(
+    axes: tuple[str, str] | None,
+    filled: tuple[bool, ...],
+    listed: tuple[Rule, ...],
+    inputs: tuple[Input, ...],
+    operators: tuple[int, int],
+) -> tuple[tuple[np.ndarray, ...], Integers]:
+    """Return what does not depend on the rules' consequents: the first fields of ``RuleTables`` and their entries.
+
+    Args:
+        axes: Inputs of the table's rows and columns.
+        filled: Whether each cell of the table holds a rule, row by row.
+        listed: The listed rules.
+        inputs: All inputs.
+        operators: Codes of AND and OR.
+    """
+    places = {variable.name: place for place, variable in enumerate(inputs)}
+    grid_input = (0, 0) if axes is None else (places[axes[0]], places[axes[1]])
+    n_columns = len(inputs[grid_input[1]].terms)
+    numbered = np.where(filled, np.cumsum(filled) - 1, -1) if axes is not None else np.empty(0)
+    counts = [1] * sum(filled) + [len(rule.consequents) for rule in listed]
+    frame = (
+        _integers(operators),
+        _integers(numbered).reshape(-1, n_columns),
+        _integers(grid_input),
+        *_compile_list(listed, inputs),
+        _starts(counts),
+    )
+    return frame, entries(_frozen(frame))
+
+
 def _compile_list(listed: tuple[Rule, ...], inputs: tuple[Input, ...]) -> tuple[Integers, Integers, Numbers]:
     """Return the antecedents of the listed rules, where each begins, and their weights."""
     numbers = _term_numbers(inputs)
@@ -316,7 +325,7 @@ def _numbers(values: Sequence[Any], columns: int = 0) -> Numbers:
 
 
 def _starts(lengths: Iterable[int]) -> Integers:
-    return np.cumsum([0, *lengths], dtype=np.int64)
+    return _integers([0, *itertools.accumulate(lengths)])
 
 
 def _frozen(arrays: tuple[np.ndarray, ...]) -> tuple[np.ndarray, ...]:

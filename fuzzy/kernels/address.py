@@ -25,6 +25,8 @@ _WORKSPACE = _OUTPUTS + len(OutputTables._fields)
 _END = _WORKSPACE + len(Workspace._fields)
 
 
+_TYPES = (np.dtype(np.int64), np.dtype(np.float64))
+
 _PLAIN_ARRAYS: dict[int, tuple[NDArray[Any], ...]] = {}
 """The arrays of all directories by address, for kernels that run as plain Python. They stay: an address does not tell
 whether it is still in use."""
@@ -63,12 +65,12 @@ def directory(tables: Tables, workspace: Workspace, defuzzifiers: Sequence[int])
 
 def entries(arrays: Sequence[NDArray[Any]]) -> Integers:
     """Return (n_arrays, 3) address, rows and columns of arrays, which must be contiguous."""
-    listed = np.empty((len(arrays), 3), dtype=np.int64)
-    for row, array in zip(listed, arrays, strict=True):
-        if not array.flags.c_contiguous or array.dtype not in (np.int64, np.float64):
+    listed = []
+    for array in arrays:
+        if not array.flags.c_contiguous or array.dtype not in _TYPES:
             raise ValueError(f"found {array.dtype} of shape {array.shape}; valid: contiguous int64 or float64")
-        row[:] = array.ctypes.data, array.shape[0], array.shape[1] if array.ndim == 2 else 1
-    return listed
+        listed.append((array.ctypes.data, *array.shape, 1)[:3])
+    return np.array(listed, dtype=np.int64)
 
 
 def _array_at(dtype: Any, dimensions: int) -> Any:
