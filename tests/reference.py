@@ -27,6 +27,9 @@ DIGITS = 40
 _context = mpmath.mp.clone()
 _context.dps = DIGITS
 
+number_of_curved: Callable[[float], Number] = _context.mpf
+"""Number type where exponentials occur."""
+
 
 def infer(system: FuzzySystem, *inputs: float, strengths: Sequence[float] | None = None) -> list[Number | None]:
     """Return the crisp outputs; None where no rule concludes on an output.
@@ -46,7 +49,7 @@ def infer(system: FuzzySystem, *inputs: float, strengths: Sequence[float] | None
 def number_of(system: FuzzySystem) -> Callable[[float], Number]:
     """Return the number type in which a system is computed."""
     shapes = [term.shape for variable in (*system.inputs, *system.outputs) for term in variable.terms]
-    return _context.mpf if any(isinstance(shape, Gaussian) for shape in shapes) else Fraction
+    return number_of_curved if any(isinstance(shape, Gaussian) for shape in shapes) else Fraction
 
 
 def all_rules(system: FuzzySystem) -> list[Rule]:

@@ -1,0 +1,129 @@
+"""The parts of the kernels: operators and polynomials of clipped sets."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+
+import numba
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzzy import geometry, shapes
+from fuzzy.kernels import exact, norms, quadrature, sampled
+from fuzzy.kernels.jit import fix_types
+from tests import reference, strategies
+
+DEGREES = st.floats(0.0, 1.0)
+T_NORMS = {"min": norms.MIN, "product": norms.PRODUCT}
+S_NORMS = {"max": norms.MAX, "algebraic_sum": norms.ALGEBRAIC_SUM}
+
+
+@pytest.mark.parametrize("name", T_NORMS)
+@given(a=DEGREES, b=DEGREES, c=DEGREES)
+def test_t_norms_obey_their_laws(name, a, b, c):
+    def t(x: float, y: float) -> float:
+        return norms.t_norm(T_NORMS[name], x, y)
+
+    assert t(a, 1.0) == a
+    assert t(a, 0.0) == 0.0
+    assert t(a, b) == t(b, a) == pytest.approx(reference.T_NORMS[name](a, b), abs=1e-15)
+    assert t(a, t(b, c)) == pytest.approx(t(t(a, b), c), abs=1e-15)
+    assert t(min(a, b), c) <= t(max(a, b), c)
+
+
+@pytest.mark.parametrize("name", S_NORMS)
+@given(a=DEGREES, b=DEGREES, c=DEGREES)
+def test_s_norms_obey_their_laws(name, a, b, c):
+    def s(x: float, y: float) -> float:
+        return norms.s_norm(S_NORMS[name], x, y)
+
+    assert s(a, 0.0) == a
+    assert s(a, 1.0) == pytest.approx(1.0, abs=1e-15)
+    assert s(a, b) == s(b, a) == pytest.approx(reference.S_NORMS[name](a, b), abs=1e-15)
+    assert s(a, s(b, c)) == pytest.approx(s(s(a, b), c), abs=1e-15)
+    assert s(min(a, b), c) <= s(max(a, b), c) + 1e-15
+    assert s(a, b) <= 1.0 + 1e-15
+
+
+@pytest.mark.parametrize(("t", "s"), [("min", "max"), ("product", "algebraic_sum")])
+@given(a=DEGREES, b=DEGREES)
+def test_norms_are_dual(t, s, a, b):
+    assert norms.s_norm(S_NORMS[s], a, b) == pytest.approx(1 - norms.t_norm(T_NORMS[t], 1 - a, 1 - b), abs=1e-15)
+
+
+@given(strategies.shapes_on(0.0, 1.0, needs_area=True, has_gaussians=False), st.floats(0.0, 1.0))
+def test_polynomials_give_area_and_moment_of_a_clipped_set(shape, height):
+    segments = geometry.clipped_to(shapes.segments(shape), 0.0, 1.0)
+    rows = geometry.cut_polynomials(segments, 0.5)
+    row = [row for row in rows if row[0] <= height][-1]
+    d = height - row[0]
+    area = row[1] + d * (row[2] + d * row[3])
+    moment = row[4] + d * (row[5] + d * (row[6] + d * row[7]))
+    points = sorted({end for segment in segments for end in segment[:2]})
+    u = np.concatenate([a + (b - a) * (np.arange(20_000) + 0.5) / 20_000 for a, b in itertools.pairwise(points)])
+    weight = np.concatenate([np.full(20_000, (b - a) / 20_000) for a, b in itertools.pairwise(points)])
+    clipped = weight * np.minimum(shapes.degrees(shape, u), height)
+    assert area == pytest.approx(clipped.sum(), abs=1e-7)
+    assert moment == pytest.approx((clipped * (u - 0.5)).sum(), abs=1e-7)
+
+
+@given(
+    strategies.shapes_on(0.0, 1.0, has_gaussians=False),
+    strategies.shapes_on(0.0, 1.0, has_gaussians=False),
+    st.floats(0.0, 1.0),
+)
+def test_an_intersection_is_the_smaller_of_two_sets(one, other, u):
+    parts = geometry.intersection(shapes.segments(one), shapes.segments(other), 0.0, 1.0)
+    for part in parts:
+        x = part.left + u * (part.right - part.left)
+        if part.left < x < part.right:
+            smaller = min(shapes.degrees(one, x), shapes.degrees(other, x))
+            steepness = max(1.0, abs(part.at_right - part.at_left) / (part.right - part.left))
+            assert geometry.degree(part, x) == pytest.approx(smaller, abs=1e-13 * steepness)
+    if not any(part.left <= u <= part.right for part in parts) and 0.0 < u < 1.0:
+        assert min(shapes.degrees(one, u), shapes.degrees(other, u)) == 0.0 or _is_vertex(u, one, other)
+
+
+def _is_vertex(u: float, *sets: shapes.Shape) -> bool:
+    return any(u in shapes.break_points(shape) for shape in sets)
+
+
+@given(st.lists(st.floats(allow_nan=False), max_size=12), st.integers(0, 12))
+def test_sort_orders_the_first_values(values, count):
+    count = min(count, len(values))
+    array = np.array(values, dtype=np.float64)
+    exact.sort(array, count)
+    assert array.tolist() == sorted(values[:count]) + values[count:]
+
+
+def test_gauss_and_kronrod_rules_integrate_polynomials_exactly():
+    nodes = np.concatenate([-quadrature._NODE[1:], quadrature._NODE[1:-1]])
+    for rule, order in ((quadrature._KRONROD, 22), (quadrature._GAUSS, 13)):
+        weights = np.concatenate([rule[1:], rule[1:-1]])
+        for power in range(order + 1):
+            wanted = 2 / (power + 1) if power % 2 == 0 else 0.0
+            assert (weights * nodes**power).sum() == pytest.approx(wanted, abs=1e-15)
+    assert quadrature._KRONROD[0] == quadrature._GAUSS[0] == 0.0
+
+
+def test_an_addressed_kernel_keeps_its_address():
+    assert sampled.centroid.address == sampled.centroid.address != exact.clipped_centroid.address != 0
+
+
+def test_fixed_types_convert_other_arguments_and_compile_once():
+    @numba.njit
+    def half(value):
+        return value / 2
+
+    threads = [threading.Thread(target=fix_types, args=(half, 1.0)) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert half(3) == half(3.0) == 1.5
+    assert len(half.signatures) == 1
+    with pytest.raises(TypeError):
+        half("3")
