@@ -35,6 +35,8 @@ TICKS_PER_SECOND = 1000
 
 _PACE = 1 / 60
 """Wall time between two advances of the live simulation, s."""
+_PATIENCE = 1.0
+"""Wall time that a thread is given to end, s; one that is compiling kernels ends with the process."""
 _MOST_BEHIND = 0.1
 """Wall time that is caught up after a delay, s; more is dropped, and the real-time factor shows it."""
 
@@ -104,7 +106,7 @@ class LiveSimulation:
     def stop(self) -> None:
         """End the thread."""
         self._orders.put(None)
-        self._thread.join(timeout=5.0)
+        self._thread.join(timeout=_PATIENCE)
 
     def _run(self) -> None:
         simulation: Simulation | None = None
@@ -202,7 +204,7 @@ class Previews:
     def stop(self) -> None:
         """End the thread."""
         self._wanted.put(None)
-        self._thread.join(timeout=5.0)
+        self._thread.join(timeout=_PATIENCE)
 
     def _run(self) -> None:
         self._warm_up(self._post)
