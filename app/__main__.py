@@ -12,10 +12,11 @@ from app.commands.check import check
 from app.commands.explain import explain
 from app.commands.failure import UsageError, describe
 from app.commands.infer import infer
+from app.commands.paper import paper
 from app.commands.serve import serve
 from app.commands.simulate import simulate
 
-COMMANDS = {"serve": serve, "check": check, "infer": infer, "explain": explain, "simulate": simulate}
+COMMANDS = {"serve": serve, "check": check, "infer": infer, "explain": explain, "simulate": simulate, "paper": paper}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

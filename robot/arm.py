@@ -139,7 +139,7 @@ class Arm(msgspec.Struct, frozen=True, kw_only=True):
         )
 
 
-@functools.lru_cache(maxsize=256)
+@functools.lru_cache(maxsize=4096)
 def parameters(arm: Arm) -> Parameters:
     """Return the arm as the read-only arrays that kernels take."""
     return Parameters(

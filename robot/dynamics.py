@@ -175,7 +175,7 @@ def energy(arm: Arm, q: ArrayLike, dq: ArrayLike) -> Energy:
     return Energy(*matrices.energy(_with_payload(arm), position, velocity, _directions(position)))
 
 
-@functools.lru_cache(maxsize=256)
+@functools.lru_cache(maxsize=4096)
 def _equilibrium(arm: Arm) -> Array:
     q = np.concatenate([parameters(arm).rest_length, np.zeros(arm.n_modules)])
     for _ in range(50):
@@ -205,7 +205,7 @@ def equilibrium(arm: Arm) -> Array:
     return _equilibrium(arm).copy()
 
 
-@functools.lru_cache(maxsize=256)
+@functools.lru_cache(maxsize=4096)
 def substeps(arm: Arm, step: float) -> int:
     """Return into how many Runge-Kutta steps a time ``step`` (s) is divided.
 
@@ -244,7 +244,7 @@ def _coordinates(arm: Arm, values: ArrayLike, name: str) -> Array:
     return vector
 
 
-@functools.lru_cache(maxsize=256)
+@functools.lru_cache(maxsize=4096)
 def _with_payload(arm: Arm) -> kernels.Parameters:
     """Return the arm's parameters with its payload as one more module, which cannot move, for the matrices."""
     model = parameters(arm)

@@ -326,6 +326,11 @@ class Simulation:
                 self.stopped = Stop((self._tick - 1) * STEP if rows else self.time, _SIGNALS[signal], name)
         return self._tick - begin
 
+    @property
+    def log(self) -> closed_loop.Log:
+        """The ring of the last control steps, not a copy: the next advance overwrites it."""
+        return self._log
+
     def sample(self) -> Sample | None:
         """Return the last row, or None before the first step."""
         if self._tick == 0:
