@@ -25,8 +25,24 @@ from fuzzy.system import And, Expression, FuzzySystem, Inference, Input, Is, Not
 _KEPT = 64
 """Variables, operators and lists of rules whose tables are kept."""
 
-_T_NORM = {"min": norms.MIN, "product": norms.PRODUCT}
-_S_NORM = {"max": norms.MAX, "algebraic_sum": norms.ALGEBRAIC_SUM}
+_T_NORM = {
+    "min": norms.MIN,
+    "product": norms.PRODUCT,
+    "bounded_difference": norms.BOUNDED_DIFFERENCE,
+    "drastic_product": norms.DRASTIC_PRODUCT,
+    "einstein_product": norms.EINSTEIN_PRODUCT,
+    "hamacher_product": norms.HAMACHER_PRODUCT,
+    "nilpotent_minimum": norms.NILPOTENT_MINIMUM,
+}
+_S_NORM = {
+    "max": norms.MAX,
+    "algebraic_sum": norms.ALGEBRAIC_SUM,
+    "bounded_sum": norms.BOUNDED_SUM,
+    "drastic_sum": norms.DRASTIC_SUM,
+    "einstein_sum": norms.EINSTEIN_SUM,
+    "hamacher_sum": norms.HAMACHER_SUM,
+    "nilpotent_maximum": norms.NILPOTENT_MAXIMUM,
+}
 _AGGREGATION = {"max": norms.MAX, "sum": norms.SUM}
 _NO_FIRE = {"default": codes.DEFAULT, "hold": codes.HOLD, "midpoint": codes.DEFAULT, "nan": codes.DEFAULT}
 _SAMPLING = {"midpoints": codes.MIDPOINTS, "endpoints": codes.ENDPOINTS}

@@ -8,8 +8,18 @@ import msgspec
 
 from fuzzy.shapes import Shape
 
-TNorm = Literal["min", "product"]
-SNorm = Literal["max", "algebraic_sum"]
+TNorm = Literal[
+    "min",
+    "product",
+    "bounded_difference",
+    "drastic_product",
+    "einstein_product",
+    "hamacher_product",
+    "nilpotent_minimum",
+]
+SNorm = Literal[
+    "max", "algebraic_sum", "bounded_sum", "drastic_sum", "einstein_sum", "hamacher_sum", "nilpotent_maximum"
+]
 Implication = Literal["min", "product"]
 Aggregation = Literal["max", "sum"]
 Defuzzifier = Literal["centroid"]

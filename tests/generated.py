@@ -67,8 +67,9 @@ def system(random: Generator, name: str, *, curved: bool, ordered: bool, **opera
         table = RuleTable(first.name, second.name, output.name, cells)
     rules = tuple(_rule(random, inputs, outputs) for _ in range(random.integers(1, 6)))
     drawn = {
-        "conjunction": _one(random, ("min", "product")),
-        "disjunction": _one(random, ("max", "algebraic_sum")),
+        # The drastic and nilpotent norms jump: rounding decides which side of the jump a degree is on.
+        "conjunction": _one(random, ("min", "product", "bounded_difference", "einstein_product", "hamacher_product")),
+        "disjunction": _one(random, ("max", "algebraic_sum", "bounded_sum", "einstein_sum", "hamacher_sum")),
         "implication": _one(random, ("min", "product")),
         "aggregation": _one(random, ("max", "sum")),
     }

@@ -110,10 +110,23 @@ def firing_strengths(system: FuzzySystem, *inputs: float) -> list[Number]:
     return [number(rule.weight) * value(rule.antecedent) for rule in all_rules(system)]
 
 
-T_NORMS: dict[str, Callable[[Number, Number], Number]] = {"min": min, "product": lambda a, b: a * b}
+T_NORMS: dict[str, Callable[[Number, Number], Number]] = {
+    "min": min,
+    "product": lambda a, b: a * b,
+    "bounded_difference": lambda a, b: max(a * 0, a + b - 1),
+    "drastic_product": lambda a, b: b if a == 1 else a if b == 1 else a * 0,
+    "einstein_product": lambda a, b: a * b / (2 - (a + b - a * b)),
+    "hamacher_product": lambda a, b: a * b / (a + b - a * b) if a + b > 0 else a * 0,
+    "nilpotent_minimum": lambda a, b: min(a, b) if a + b > 1 else a * 0,
+}
 S_NORMS: dict[str, Callable[[Number, Number], Number]] = {
     "max": max,
     "algebraic_sum": lambda a, b: a + b - a * b,
+    "bounded_sum": lambda a, b: min(a * 0 + 1, a + b),
+    "drastic_sum": lambda a, b: b if a == 0 else a if b == 0 else a * 0 + 1,
+    "einstein_sum": lambda a, b: (a + b) / (1 + a * b),
+    "hamacher_sum": lambda a, b: (a + b - 2 * a * b) / (1 - a * b) if a * b < 1 else a * 0 + 1,
+    "nilpotent_maximum": lambda a, b: max(a, b) if a + b < 1 else a * 0 + 1,
     "sum": lambda a, b: a + b,
 }
 

@@ -38,8 +38,18 @@ _FORMULAS = {
     ("aggregation", "sum"): "output set: μ(u) = Σ<sub>r</sub> μ<sub>r</sub>(u)",
     ("conjunction", "min"): "a AND b = min(a, b)",
     ("conjunction", "product"): "a AND b = a · b",
+    ("conjunction", "bounded_difference"): "a AND b = max(0, a + b − 1)",
+    ("conjunction", "drastic_product"): "a AND b = a if b = 1, b if a = 1, otherwise 0",
+    ("conjunction", "einstein_product"): "a AND b = a b / (2 − (a + b − a b))",
+    ("conjunction", "hamacher_product"): "a AND b = a b / (a + b − a b)",
+    ("conjunction", "nilpotent_minimum"): "a AND b = min(a, b) if a + b &gt; 1, otherwise 0",
     ("disjunction", "max"): "a OR b = max(a, b)",
     ("disjunction", "algebraic_sum"): "a OR b = a + b − a · b",
+    ("disjunction", "bounded_sum"): "a OR b = min(1, a + b)",
+    ("disjunction", "drastic_sum"): "a OR b = a if b = 0, b if a = 0, otherwise 1",
+    ("disjunction", "einstein_sum"): "a OR b = (a + b) / (1 + a b)",
+    ("disjunction", "hamacher_sum"): "a OR b = (a + b − 2 a b) / (1 − a b)",
+    ("disjunction", "nilpotent_maximum"): "a OR b = max(a, b) if a + b &lt; 1, otherwise 1",
     ("defuzzifier", "centroid"): "centroid: T = ∫ u μ(u) du / ∫ μ(u) du &nbsp;(34; the paper's COA, IEC's COG)",
 }
 

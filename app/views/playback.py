@@ -126,7 +126,7 @@ def _shown(options: dict[str, Any], value: object) -> str:
 
 
 def _notice_html(state: AppState) -> str:
-    """Return the notice, two lines high whatever it says, so that the widgets below stay where they are."""
+    """Return the notice; there is always one, so that the widgets below stay where they are."""
     if state.progress is not None:
         text, color = f"{state.progress} …", BAD
     elif state.notice is not None:
@@ -134,8 +134,8 @@ def _notice_html(state: AppState) -> str:
     elif state.past:
         text, color = f"{state.past[-1].label} · Ctrl+Z takes it back", MUTED
     else:
-        text, color = "Paint a cell of the rule table, or drag a membership point: the arm answers.", MUTED
-    return div(escape(text), f"color:{color};min-height:2.9em")
+        text, color = "Paint a cell or drag a point: the arm answers.", MUTED
+    return div(escape(text), f"color:{color};min-height:1.45em")
 
 
 def _status_html(state: AppState, frame: Frame) -> str:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import itertools
 import threading
+import typing
+from fractions import Fraction
 
 import numba
 import numpy as np
@@ -11,45 +13,73 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzy import geometry, shapes
+from fuzzy import compiler, geometry, shapes
 from fuzzy.kernels import exact, norms, quadrature, sampled
 from fuzzy.kernels.jit import fix_types
+from fuzzy.system import SNorm, TNorm
 from tests import reference, strategies
 
 DEGREES = st.floats(0.0, 1.0)
-T_NORMS = {"min": norms.MIN, "product": norms.PRODUCT}
-S_NORMS = {"max": norms.MAX, "algebraic_sum": norms.ALGEBRAIC_SUM}
+SIXTY_FOURTHS = st.integers(0, 64).map(lambda n: n / 64)
+"""Degrees whose sums are exact: two norms jump where a + b = 1."""
+T_NORMS = {name: compiler._T_NORM[name] for name in typing.get_args(TNorm)}
+S_NORMS = {name: compiler._S_NORM[name] for name in typing.get_args(SNorm)}
+JUMPING = ("drastic_product", "nilpotent_minimum", "drastic_sum", "nilpotent_maximum")
+DUALS = list(zip(T_NORMS, S_NORMS, strict=True))
 
 
 @pytest.mark.parametrize("name", T_NORMS)
-@given(a=DEGREES, b=DEGREES, c=DEGREES)
+@given(a=SIXTY_FOURTHS, b=SIXTY_FOURTHS, c=SIXTY_FOURTHS)
 def test_t_norms_obey_their_laws(name, a, b, c):
     def t(x: float, y: float) -> float:
         return norms.t_norm(T_NORMS[name], x, y)
 
-    assert t(a, 1.0) == a
     assert t(a, 0.0) == 0.0
-    assert t(a, b) == t(b, a) == pytest.approx(reference.T_NORMS[name](a, b), abs=1e-15)
-    assert t(a, t(b, c)) == pytest.approx(t(t(a, b), c), abs=1e-15)
-    assert t(min(a, b), c) <= t(max(a, b), c)
+    assert t(a, b) == t(b, a)
+    assert t(a, b) <= min(a, b)
+    assert t(min(a, b), c) <= t(max(a, b), c) + 1e-15
+    if name not in ("drastic_product", "nilpotent_minimum"):  # rounding may cross their jump in the second step
+        assert t(a, t(b, c)) == pytest.approx(t(t(a, b), c), abs=1e-13)
 
 
 @pytest.mark.parametrize("name", S_NORMS)
-@given(a=DEGREES, b=DEGREES, c=DEGREES)
+@given(a=SIXTY_FOURTHS, b=SIXTY_FOURTHS, c=SIXTY_FOURTHS)
 def test_s_norms_obey_their_laws(name, a, b, c):
     def s(x: float, y: float) -> float:
         return norms.s_norm(S_NORMS[name], x, y)
 
-    assert s(a, 0.0) == a
     assert s(a, 1.0) == pytest.approx(1.0, abs=1e-15)
-    assert s(a, b) == s(b, a) == pytest.approx(reference.S_NORMS[name](a, b), abs=1e-15)
-    assert s(a, s(b, c)) == pytest.approx(s(s(a, b), c), abs=1e-15)
+    assert s(a, b) == s(b, a)
+    assert max(a, b) - 1e-15 <= s(a, b) <= 1.0
     assert s(min(a, b), c) <= s(max(a, b), c) + 1e-15
-    assert s(a, b) <= 1.0 + 1e-15
+    if name not in ("drastic_sum", "nilpotent_maximum"):
+        assert s(a, s(b, c)) == pytest.approx(s(s(a, b), c), abs=1e-13)
 
 
-@pytest.mark.parametrize(("t", "s"), [("min", "max"), ("product", "algebraic_sum")])
+@pytest.mark.parametrize("name", [*T_NORMS, *S_NORMS])
 @given(a=DEGREES, b=DEGREES)
+def test_norms_are_their_definitions_and_have_a_neutral_element(name, a, b):
+    is_t_norm = name in T_NORMS
+    code = (T_NORMS if is_t_norm else S_NORMS)[name]
+    definition = (reference.T_NORMS if is_t_norm else reference.S_NORMS)[name]
+    norm = norms.t_norm if is_t_norm else norms.s_norm
+    assert norm(code, a, 1.0 if is_t_norm else 0.0) == a
+    if name not in JUMPING:
+        exact = float(definition(Fraction(a), Fraction(b)))
+        assert norm(code, a, b) == pytest.approx(exact, rel=1e-15, abs=1e-16)
+
+
+@pytest.mark.parametrize("name", JUMPING)
+@given(a=SIXTY_FOURTHS, b=SIXTY_FOURTHS)
+def test_norms_that_jump_do_so_where_they_should(name, a, b):
+    if name in T_NORMS:
+        assert norms.t_norm(T_NORMS[name], a, b) == reference.T_NORMS[name](a, b)
+    else:
+        assert norms.s_norm(S_NORMS[name], a, b) == reference.S_NORMS[name](a, b)
+
+
+@pytest.mark.parametrize(("t", "s"), DUALS)
+@given(a=SIXTY_FOURTHS, b=SIXTY_FOURTHS)
 def test_norms_are_dual(t, s, a, b):
     assert norms.s_norm(S_NORMS[s], a, b) == pytest.approx(1 - norms.t_norm(T_NORMS[t], 1 - a, 1 - b), abs=1e-15)
 
