@@ -24,7 +24,7 @@ _CHUNK = 250
 """Control steps between two reductions: their log stays in the processor's cache."""
 
 _PORTION = 8
-"""Runs that a thread makes before it reports."""
+"""Most runs that a thread makes before it reports."""
 
 
 class BatchMetrics(NamedTuple):
@@ -80,19 +80,22 @@ def batch_simulate(
     if len(plants) != len(asked) or not count:
         raise RobotError(f"found {len(plants)} arms and {len(asked)} scenarios; valid: equal numbers, 1 or more")
 
+    threads = workers or os.cpu_count() or 1
+    size = max(1, min(_PORTION, count // (4 * threads)))
+
     def portion(first: int) -> list[tuple[Array, ...]]:
-        last = min(first + _PORTION, count)
+        last = min(first + size, count)
         return [_one(plants[i], controller, asked[i]) for i in range(first, last)]
 
-    firsts = range(0, count, _PORTION)
-    with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
+    firsts = range(0, count, size)
+    with ThreadPoolExecutor(threads) as pool:
         jobs = [pool.submit(portion, first) for first in firsts]
         try:
             pending = set(jobs)
             while pending:
                 _, pending = wait(pending, return_when=FIRST_COMPLETED)
                 if progress is not None:
-                    progress(min(count, (len(jobs) - len(pending)) * _PORTION))
+                    progress(min(count, (len(jobs) - len(pending)) * size))
             rows = [row for job in jobs for row in job.result()]
         except BaseException:
             pool.shutdown(cancel_futures=True)
