@@ -20,7 +20,20 @@ from fuzzy.kernels import membership, norms
 from fuzzy.kernels import tables as codes
 from fuzzy.kernels.address import entries
 from fuzzy.kernels.tables import InputTables, Integers, Numbers, OutputTables, RuleTables, Tables
-from fuzzy.system import And, Expression, FuzzySystem, Inference, Input, Is, Not, Or, Output, Rule, Sampling
+from fuzzy.system import (
+    Aggregation,
+    And,
+    Expression,
+    FuzzySystem,
+    Inference,
+    Input,
+    Is,
+    Not,
+    Or,
+    Output,
+    Rule,
+    Sampling,
+)
 
 _KEPT = 64
 """Variables, operators and lists of rules whose tables are kept."""
@@ -165,7 +178,7 @@ def _compile_outputs(outputs: tuple[Output, ...], inference: Inference) -> tuple
         shape=_integers([code for code, _ in encoded]),
         parameter=_numbers([parameter for _, parameter in encoded], 4),
         implication=_integers([_T_NORM[inference.implication]]),
-        aggregation=_integers([_AGGREGATION[inference.aggregation]]),
+        aggregation=_integers([_AGGREGATION[_summed(inference)]]),
         sampling=_integers(sampling),
         method=_integers([_method(inference, variable) for variable in compiled]),
         no_fire=_integers([_NO_FIRE[variable.no_fire.policy] for variable in outputs]),
@@ -213,12 +226,17 @@ def _compile_output(output: Output) -> _Output:
     return _Output(points, sides, neighbours, cuts, overlap_cuts, is_linear, overlaps_neighbours)
 
 
+def _summed(inference: Inference) -> Aggregation:
+    """Return how the sets are aggregated: the center of sums is the centroid of their sum, whatever is chosen."""
+    return "sum" if inference.defuzzifier == "center_of_sums" else inference.aggregation
+
+
 def _method(inference: Inference, output: _Output) -> int:
     if isinstance(inference.resolution, Sampling):
         return codes.SAMPLED
     if not output.is_linear:
         return codes.QUADRATURE
-    if inference.aggregation == "sum":
+    if _summed(inference) == "sum":
         return codes.SEPARATE
     if inference.implication == "min" and output.only_neighbours_overlap:
         return codes.CLIPPED

@@ -22,7 +22,7 @@ SNorm = Literal[
 ]
 Implication = Literal["min", "product"]
 Aggregation = Literal["max", "sum"]
-Defuzzifier = Literal["centroid"]
+Defuzzifier = Literal["centroid", "center_of_sums"]
 SamplingRule = Literal["midpoints", "endpoints"]
 OutOfRange = Literal["clamp", "reject"]
 NoFirePolicy = Literal["default", "hold", "midpoint", "nan"]

@@ -131,6 +131,11 @@ S_NORMS: dict[str, Callable[[Number, Number], Number]] = {
 }
 
 
+def _aggregation(system: FuzzySystem) -> str:
+    """Return how the implied sets are joined: the center of sums (paper eq. (33)) adds them, whatever is chosen."""
+    return "sum" if system.inference.defuzzifier == "center_of_sums" else system.inference.aggregation
+
+
 def _fold(norm: Callable[[Number, Number], Number], values: list[Number]) -> Number:
     total = values[0]
     for value in values[1:]:
@@ -154,7 +159,7 @@ def aggregated(system: FuzzySystem, conclusions: list[tuple[Number, Shape]], u: 
     number = number_of(system)
     implication = T_NORMS[system.inference.implication]
     implied = [implication(strength, degree(shape, u, number)) for strength, shape in conclusions]
-    return _fold(S_NORMS[system.inference.aggregation], [number(0), *implied])
+    return _fold(S_NORMS[_aggregation(system)], [number(0), *implied])
 
 
 def _defuzzify(
@@ -254,7 +259,7 @@ def bends(system: FuzzySystem, output: Output, conclusions: list[tuple[Number, S
             a, b, c, d = _corners(shape)
             points |= {side + level * (top - side) for level in levels for side, top in ((a, b), (d, c))}
     found = sorted(u for u in points if output.low <= u <= output.high)
-    if system.inference.aggregation == "max":
+    if _aggregation(system) == "max":
         found = sorted({*found, *_handovers(system, conclusions, found)})
     return found
 
@@ -290,7 +295,7 @@ def _implied(system: FuzzySystem, conclusions: list[tuple[Number, Shape]], u: np
 
 
 def _join(system: FuzzySystem, implied: np.ndarray) -> np.ndarray:
-    return implied.max(axis=0) if system.inference.aggregation == "max" else implied.sum(axis=0)
+    return implied.max(axis=0) if _aggregation(system) == "max" else implied.sum(axis=0)
 
 
 def _handovers(system: FuzzySystem, conclusions: list[tuple[Number, Shape]], bends: list[float]) -> list[float]:

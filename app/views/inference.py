@@ -50,6 +50,10 @@ _FORMULAS = {
     ("disjunction", "einstein_sum"): "a OR b = (a + b) / (1 + a b)",
     ("disjunction", "hamacher_sum"): "a OR b = (a + b − 2 a b) / (1 − a b)",
     ("disjunction", "nilpotent_maximum"): "a OR b = max(a, b) if a + b &lt; 1, otherwise 1",
+    ("defuzzifier", "center_of_sums"): (
+        "center of sums: T = Σ<sub>r</sub> ∫ u μ<sub>r</sub>(u) du / Σ<sub>r</sub> ∫ μ<sub>r</sub>(u) du "
+        "&nbsp;(33; the paper's COG): every rule counts, whatever the aggregation"
+    ),
     ("defuzzifier", "centroid"): "centroid: T = ∫ u μ(u) du / ∫ μ(u) du &nbsp;(34; the paper's COA, IEC's COG)",
 }
 

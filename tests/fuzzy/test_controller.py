@@ -252,3 +252,24 @@ def test_equal_systems_share_their_compiled_variables_and_changed_ones_do_not():
     assert value(one, -1.0, 0.0) < 0 < value(other, -1.0, 0.0)
     moved = replace(DIAGONAL, outputs=(replace(DIAGONAL.outputs[0], low=-90.0),))
     assert value(compile_system(moved), -1.0, -6.0) < value(one, -1.0, -6.0)
+
+
+@pytest.mark.parametrize("aggregation", ["max", "sum"])
+@pytest.mark.parametrize("implication", ["min", "product"])
+@pytest.mark.parametrize("x", [(0.2, -1.0), (-0.9, 2.5), (0.01, 0.0), (1.0, 6.0)])
+def test_center_of_sums_counts_every_rule_whatever_the_aggregation(x, implication, aggregation):
+    operators = Inference(implication=implication, aggregation=aggregation, defuzzifier="center_of_sums")
+    system = replace(DIAGONAL, inference=operators)
+    controller = compile_system(system)
+    output = system.outputs[0]
+    shapes = {term.name: term.shape for term in output.terms}
+    u = np.linspace(output.low, output.high, 1_700_001)
+    area = moment = 0.0
+    for fired in controller.explain(*x).rules:
+        degree = degrees(shapes[fired.rule.consequents[0].term], u)
+        own = np.minimum(fired.strength, degree) if implication == "min" else fired.strength * degree
+        area += float(np.trapezoid(own, u))
+        moment += float(np.trapezoid(own * u, u))
+    assert controller(*x) == pytest.approx(moment / area, abs=1e-9 * (output.high - output.low))
+    sampled = replace(system, inference=replace(operators, resolution=Sampling(100_000)))
+    assert compile_system(sampled)(*x) == pytest.approx(controller(*x), abs=1e-6)
