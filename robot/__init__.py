@@ -1,7 +1,8 @@
 """A planar continuum arm: dynamics, controllers, disturbances and closed-loop simulation, in SI units.
 
-What most users need stands here: :class:`Arm`, :class:`Scenario`, :func:`simulate`, :class:`Simulation`, and the
-modules ``controllers``, ``dynamics`` and ``kinematics``. They are loaded when they are first used.
+What most users need stands here: :class:`Arm`, :class:`Scenario`, :func:`simulate`, :class:`Simulation`,
+:func:`batch_simulate`, and the modules ``controllers``, ``dynamics`` and ``kinematics``. They are loaded when they
+are first used.
 """
 
 from __future__ import annotations
@@ -12,10 +13,21 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from robot import controllers, dynamics, kinematics
     from robot.arm import Arm
+    from robot.batch import batch_simulate
     from robot.scenario import Scenario
     from robot.simulation import Run, Simulation, simulate
 
-__all__ = ["Arm", "Run", "Scenario", "Simulation", "controllers", "dynamics", "kinematics", "simulate"]
+__all__ = [
+    "Arm",
+    "Run",
+    "Scenario",
+    "Simulation",
+    "batch_simulate",
+    "controllers",
+    "dynamics",
+    "kinematics",
+    "simulate",
+]
 
 _HOME = {
     "Arm": "arm",
@@ -23,6 +35,7 @@ _HOME = {
     "Run": "simulation",
     "Simulation": "simulation",
     "simulate": "simulation",
+    "batch_simulate": "batch",
 }
 
 

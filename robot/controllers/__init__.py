@@ -100,10 +100,12 @@ def default_natural_frequency(scenario: Scenario) -> float:
     """Return ωn, rad/s: slow enough to watch where nothing disturbs, fast enough to hold against noise.
 
     Feedback linearization takes away the springs that hold the arm under PID: what is left against a force is D ωn².
-    Against noise on the forces it therefore needs a bandwidth far over that of the motion, or it does worse than PID.
+    Against noise on the forces, pulses and pushes it therefore needs a bandwidth far over that of the motion, or it
+    does worse than PID.
     """
     disturbance = scenario.disturbance
-    disturbed = disturbance is not None and disturbance.channel == "force"
+    noisy = disturbance is not None and disturbance.channel == "force"
+    disturbed = noisy or bool(scenario.pulses) or bool(scenario.pushes)
     return DISTURBED_NATURAL_FREQUENCY if disturbed else NATURAL_FREQUENCY
 
 

@@ -42,4 +42,9 @@ def test_the_bandwidth_follows_the_disturbance() -> None:
     assert controllers.default_natural_frequency(step) == controllers.default_natural_frequency(
         Scenario.preset("sinus")
     )
+    assert controllers.default_natural_frequency(Scenario.preset("hold")) == controllers.default_natural_frequency(
+        noisy
+    )
+    seen = msgspec.structs.replace(step, disturbance=BandLimitedNoise(channel="measurement"))
+    assert controllers.default_natural_frequency(seen) == controllers.default_natural_frequency(step)
     assert controllers.default_natural_frequency(noisy) > 10 * controllers.default_natural_frequency(step)

@@ -16,7 +16,7 @@ from fuzzy.system import FuzzySystem, Input, NoFire, Output, RuleBase, RuleTable
 from robot import controllers, dynamics
 from robot.arm import Arm, parameters
 from robot.controllers import FuzzyFlc, PdFlc, Pid
-from robot.disturbance import BandLimitedNoise
+from robot.disturbance import BandLimitedNoise, Pulse, Push
 from robot.errors import InvalidControllerError, RobotError, UnknownNameError
 from robot.kernels import dynamics as kernels
 from robot.kernels import integration
@@ -289,6 +289,30 @@ def test_live_and_at_once_are_equal_bit_for_bit(name: str, disturbance: BandLimi
     sizes = iter([1, 2, 0, 1021, 3, 999, 16, 17, 942])
     while live.tick < len(whole.t):
         assert live.advance(size := next(sizes)) == size
+    assert_same(whole, live.run())
+
+
+@pytest.mark.parametrize("reference", ["step", "sequence", "circle"])
+@pytest.mark.parametrize("channel", ["force", "measurement", "reference"])
+def test_live_and_at_once_are_equal_with_everything_on(reference: str, channel: Any) -> None:
+    rubbing = msgspec.structs.replace(SOFT, friction=0.2, payload=0.05, payload_offset=0.02)
+    scenario = msgspec.structs.replace(
+        Scenario.preset(reference),
+        duration=0.6,
+        prefilter=15.0,
+        disturbance=BandLimitedNoise(0.05, hold_time=0.007, seed=4, channel=channel),
+        pulses=(Pulse("theta3", 0.1, 0.1, 0.05),),
+        pushes=(Push((1.0, 0.5), 0.2, 0.1, 1.5),),
+        force_limits=(0.0, 40.0),
+        valve_time=0.02,
+        reading="paper",
+    )
+    gains = law("adaptive_fuzzy_flc", rubbing, scenario)
+    whole = simulate(rubbing, gains, scenario)
+    live = Simulation(rubbing, gains, scenario)
+    while live.tick < len(whole.t):
+        live.advance(min(37, len(whole.t) - live.tick))
+    assert whole.stopped is None
     assert_same(whole, live.run())
 
 
