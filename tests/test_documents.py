@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
 import fuzzy
 from app.__main__ import main
+from fuzzy.system import Aggregation, Defuzzifier, Implication, SNorm, TNorm
+from robot import controllers, scenario
 
 ROOT = Path(__file__).parents[1]
-DOCUMENTS = [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "rulebases" / "README.md", *(ROOT / "docs").glob("*.md")]
+DOCUMENTS = [
+    *(ROOT / name for name in ("README.md", "CHANGELOG.md", "rulebases/README.md", "benchmarks/README.md")),
+    *sorted((ROOT / "docs").glob("*.md")),
+]
 
 
 def blocks(document: str, language: str) -> list[str]:
@@ -34,7 +39,7 @@ def test_the_python_of_the_readme_gives_the_numbers_beside_it(monkeypatch: pytes
     names: dict[str, Any] = {}
     exec(text, names)
     shown = re.findall(r"^(\S.*?)\s+# (-?[\d.]+)(?: s)?$", text, re.MULTILINE)
-    assert len(shown) == 3
+    assert len(shown) == 4
     for expression, number in shown:
         assert eval(expression, names) == pytest.approx(float(number), rel=1e-3), expression
 
@@ -69,9 +74,42 @@ def test_the_tests_that_prove_the_errata_exist() -> None:
 
 
 @pytest.mark.parametrize("package", ["fuzzy", "robot", "app"])
-def test_the_modules_of_the_layout_exist(package: str) -> None:
+def test_the_layout_names_the_modules_that_exist(package: str) -> None:
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     section = text.partition(f"### {package}/\n")[2].partition("\n##")[0]
     named = set(re.findall(r"`(\w+\.py)`", section))
-    assert named
-    assert named - {path.name for path in (ROOT / package).rglob("*.py")} == set()
+    modules = {path.name for path in (ROOT / package).rglob("*.py")}
+    assert named - modules == set()
+    assert modules - named - {"__init__.py"} == set()
+
+
+@pytest.mark.parametrize("document", ["docs/inference.md", "rulebases/README.md"])
+def test_every_operator_is_described(document: str) -> None:
+    text = (ROOT / document).read_text(encoding="utf-8")
+    choices = {name for kind in (TNorm, SNorm, Implication, Aggregation, Defuzzifier) for name in get_args(kind)}
+    assert [name for name in sorted(choices) if not re.search(rf"\b{name}\b", text)] == []
+
+
+@pytest.mark.parametrize("document", ["README.md", "docs/errata.md"])
+def test_every_control_law_is_described(document: str) -> None:
+    text = (ROOT / document).read_text(encoding="utf-8")
+    assert [name for name in controllers.NAMES if f"`{name}`" not in text] == []
+
+
+def test_every_scenario_is_described() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert [name for name in scenario.names() if f"`{name}`" not in text] == []
+
+
+def test_the_figures_of_the_readme_are_what_the_simulation_prints(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(ROOT)
+    (text,) = blocks("README.md", "console")
+    part = next(part for part in re.split(r"^\$ ", text, flags=re.M) if " simulate " in part)
+    command, _, *shown = part.strip().splitlines()
+    assert main(command.partition(" --output ")[0].split()[1:]) == 0
+    printed = capsys.readouterr().out.splitlines()[1:]
+    assert shown.pop() == "…"
+    assert len(shown) == 4
+    assert printed[: len(shown)] == shown
