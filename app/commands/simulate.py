@@ -46,8 +46,9 @@ def simulate(
 
     Args:
         rulebase: The rule base of the fuzzy controllers. By default rulebases/diagonal.yaml.
-        controller: pid, pd_flc or fuzzy_flc.
-        scenario: step, step_noise or sinus.
+        controller: pid, pid_gravity, pd_flc, pid_flc, parallel, fuzzy_flc, fuzzy_pid, adaptive_fuzzy_flc,
+            adaptive_fuzzy_pid or scaled_pid.
+        scenario: step, step_noise, sinus, hold, sequence or circle.
         arm: soft or stiff.
         mismatch: How the real arm differs from the one the controller knows: stiffness=+30%, mass=-10% or damping=...;
             may be given several times.
@@ -154,7 +155,7 @@ def _law(rulebase: Path | None, name: str, arm: Arm, scenario: Scenario, natural
     from fuzzy.inference import compile_system
     from robot import controllers
 
-    needs_rules = rulebase is not None or name.startswith("fuzzy")
+    needs_rules = rulebase is not None or (name in controllers.NAMES and controllers.needs_rules(name))
     compiled = compile_system(load(rulebase or SHIPPED)) if needs_rules else None
     return controllers.default(name, arm, scenario, compiled, natural_frequency=natural_frequency)
 

@@ -436,3 +436,20 @@ def test_a_run_that_runs_away_fails_after_its_figures(
     assert code == 1
     assert "overshoot" in out
     assert err == f"fuzzy-workbench: error: {robot.simulation.Stop(0.5, 'position', 'theta2')}\n"
+
+
+def test_every_law_and_every_scenario_can_be_simulated_and_is_named_in_the_help(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    from robot import scenario
+
+    with pytest.raises(SystemExit):
+        main(["simulate", "--help"])
+    text = capsys.readouterr().out
+    for name in (*controllers.NAMES, *scenario.names()):
+        assert name in text
+    for law in controllers.NAMES:
+        assert main(["simulate", "--controller", law, "--json"]) == 0, law
+        assert msgspec.json.decode(capsys.readouterr().out)["controller"] == law
+    for name in scenario.names():
+        assert main(["simulate", "--scenario", name]) == 0, name
