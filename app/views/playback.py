@@ -27,8 +27,8 @@ _CONTROLLERS = {
     "parallel": "linearization + PID",
     "fuzzy_flc": "linearization + rules",
     "fuzzy_pid": "PID + rules, no model",
-    "adaptive_fuzzy_flc": "linearization + learning",
-    "adaptive_fuzzy_pid": "PID + learning",
+    "adaptive_fuzzy_flc": "linearization + learning on the sets",
+    "adaptive_fuzzy_pid": "PID + learning on the sets",
     "scaled_pid": "PID scaled by the rules",
 }
 """What each control law is, beside its name."""

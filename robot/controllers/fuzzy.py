@@ -13,11 +13,11 @@ from fuzzy.kernels import firing, membership
 from fuzzy.kernels.address import Directory as Directory
 from fuzzy.kernels.address import inputs_at, workspace_at
 from fuzzy.kernels.inference import evaluate
+from fuzzy.kernels.jit import borrowing_kernel
 from robot.arm import Arm
 from robot.controllers.base import ADAPTED_GAUSSIANS, Array, Law, keep_checked, law
 from robot.controllers.feedback_linearization import DAMPING_RATIO, NATURAL_FREQUENCY, placed
 from robot.errors import InvalidControllerError
-from robot.kernels.jit import counting_kernel
 
 ERROR_GAIN = 4.0
 """Default GE times the step: an error of a quarter of the step reaches the end of the range [-1, 1]."""
@@ -135,7 +135,7 @@ def output_scale(inference: Controller) -> float:
     return 1.0 / max(abs(output.low), abs(output.high))
 
 
-@counting_kernel
+@borrowing_kernel
 def fuzzy_blocks(
     address: int, scale: Array, e: Array, de: Array, x: Array, block: Array, output: Array, activity: Array
 ) -> None:
@@ -163,7 +163,7 @@ def fuzzy_blocks(
             activity[i, rule] = max(activity[i, rule], workspace.strength[rule])
 
 
-@counting_kernel
+@borrowing_kernel
 def adaptive_blocks(
     address: int,
     law: Law,
@@ -236,7 +236,7 @@ def adaptive_blocks(
         learned[i] = squares
 
 
-@counting_kernel
+@borrowing_kernel
 def _gaussian_degrees(x: float, limits: Array, degrees: Array) -> None:
     """Write the degrees (n,) of n Gaussian sets, evenly spread over the limits; neighbours cross at 0.5."""
     spacing = (limits[1] - limits[0]) / max(degrees.size - 1, 1)

@@ -7,8 +7,8 @@ the tip. Compiled with numba, as all kernels are (``fuzzy.kernels.jit``).
 
 from __future__ import annotations
 
+from fuzzy.kernels.jit import inlined_kernel
 from robot.kernels.dynamics import Array, Parameters, Workspace
-from robot.kernels.jit import borrowing_kernel
 
 INTERNAL = 0
 """A force on rod i reacts on rod i-1: Q is the sum of force times the rate of the actuator's length."""
@@ -17,7 +17,7 @@ PAPER = 1
 """A force on rod i reacts on the ground, equation (14)."""
 
 
-@borrowing_kernel
+@inlined_kernel
 def generalized_force(arm: Parameters, reading: int, q: Array, tau: Array, work: Workspace, Q: Array) -> None:
     """Write Q (2N,) = F_coeff(q) tau. Needs ``directions(q, work)``."""
     n = arm.mass.size
@@ -42,7 +42,7 @@ def generalized_force(arm: Parameters, reading: int, q: Array, tau: Array, work:
         moment += q[k] * (f1 * cosine - f3 * sine)
 
 
-@borrowing_kernel
+@inlined_kernel
 def actuator_forces(arm: Parameters, reading: int, q: Array, Q: Array, work: Workspace, tau: Array) -> None:
     """Write the tau (2N,) that gives F_coeff(q) tau = Q. Needs ``directions(q, work)``."""
     n = arm.mass.size

@@ -7,14 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fuzzy.kernels.jit import kernel
+from fuzzy.kernels.jit import inlined_kernel, kernel
 from robot.controllers.base import ADAPTED_SETS, Law
 from robot.controllers.fuzzy import adaptive_blocks, fuzzy_blocks
 from robot.kernels import control, dynamics, integration
 from robot.kernels.control import Actuators, Events, ReferenceArrays, Signals
 from robot.kernels.dynamics import Array, Parameters, Workspace
 from robot.kernels.integration import Stages
-from robot.kernels.jit import borrowing_kernel
 
 RUNNING = -1
 FUZZY_OUTPUT = 0
@@ -133,7 +132,7 @@ def run(
     )
 
 
-@borrowing_kernel
+@inlined_kernel
 def _run(
     loop: Loop,
     address: int,
@@ -219,7 +218,7 @@ def _run(
     return count, RUNNING, 0
 
 
-@borrowing_kernel
+@inlined_kernel
 def _write(row: int, state: State, signals: Signals, disturbance: Array, learned: Array, log: Log) -> None:
     for i in range(state.q.size):
         log.q[row, i] = state.q[i]

@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy.kernels.jit import kernel
+from fuzzy.kernels.jit import inlined_kernel, kernel
 from robot.controllers.base import ACCELERATION, FORCE, GRAVITY, LINEARIZING, MODEL_FREE, SCALING, Law
 from robot.kernels import actuation, dynamics
 from robot.kernels.dynamics import Array, Parameters, Workspace
-from robot.kernels.jit import borrowing_kernel
 
 STEP = 0
 SINUS = 1
@@ -105,7 +104,7 @@ def new_signals(size: int) -> Signals:
     )
 
 
-@borrowing_kernel
+@inlined_kernel
 def observe(
     reference: ReferenceArrays,
     k: int,
@@ -169,7 +168,7 @@ def observe(
         signals.de[i] = signals.dreference[i] - dq[i]
 
 
-@borrowing_kernel
+@inlined_kernel
 def _prefilter(rate: float, step: float, filtered: Array, signals: Signals) -> None:
     """Put r̈ = ω² (target - r) - 2 ω ṙ in the target's place, and advance r exactly for a target that holds."""
     decay = math.exp(-rate * step)
@@ -185,7 +184,7 @@ def _prefilter(rate: float, step: float, filtered: Array, signals: Signals) -> N
         filtered[1, i] = (speed - rate * slope * step) * decay
 
 
-@borrowing_kernel
+@inlined_kernel
 def control(
     law: Law,
     model: Parameters,
@@ -225,7 +224,7 @@ def control(
         signals.Q[i] += _sum(law, FORCE, i, signals, integral, output)
 
 
-@borrowing_kernel
+@inlined_kernel
 def _sum(law: Law, level: int, i: int, signals: Signals, integral: Array, output: Array) -> float:
     total = law.Kp[level, i] * signals.e[i] + law.Kd[level, i] * signals.de[i] + law.Ki[level, i] * integral[i]
     if law.fuzzy == SCALING:
@@ -248,7 +247,7 @@ class Actuators(NamedTuple):
     """Mean of exp(-t / time constant) over a step; 0 for none."""
 
 
-@borrowing_kernel
+@inlined_kernel
 def actuate(
     model: Parameters, reading: int, actuators: Actuators, applied: Array, work: Workspace, signals: Signals
 ) -> None:
@@ -284,7 +283,7 @@ class Events(NamedTuple):
     """(n, N, 2) forces on the masses along n1 and n3, N."""
 
 
-@borrowing_kernel
+@inlined_kernel
 def disturb(k: int, channel: int, noise: Array, events: Events, load: Array, signals: Signals) -> None:
     """Write the forces from outside in control step ``k``: noise, events, and a load (N, 2) by hand."""
     for i in range(noise.size):
@@ -301,7 +300,7 @@ def disturb(k: int, channel: int, noise: Array, events: Events, load: Array, sig
                 signals.load[i, 1] += events.load[event, i, 1]
 
 
-@borrowing_kernel
+@inlined_kernel
 def integrate_error(law: Law, step: float, signals: Signals, integral: Array) -> None:
     """Add the error to its integral, where the condition allows it.
 

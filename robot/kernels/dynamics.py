@@ -28,8 +28,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy.kernels.jit import kernel
-from robot.kernels.jit import borrowing_kernel
+from fuzzy.kernels.jit import inlined_kernel, kernel
 
 Array = NDArray[np.float64]
 
@@ -105,7 +104,7 @@ def new_workspace(n: int) -> Workspace:
     )
 
 
-@borrowing_kernel
+@inlined_kernel
 def directions(q: Array, work: Workspace) -> None:
     """Write sin and cos of every link's absolute angle; the first link always hangs along n3."""
     n = q.size // 2
@@ -118,7 +117,7 @@ def directions(q: Array, work: Workspace) -> None:
         work.cosine[k] = math.cos(angle)
 
 
-@borrowing_kernel
+@inlined_kernel
 def _tip_direction(q: Array, work: Workspace) -> tuple[float, float]:
     """Return sin and cos of the last rod's absolute angle. Needs ``directions(q, work)``."""
     n = q.size // 2
@@ -130,7 +129,7 @@ def _tip_direction(q: Array, work: Workspace) -> tuple[float, float]:
     )
 
 
-@borrowing_kernel
+@inlined_kernel
 def rigid_body_force(
     arm: Parameters, q: Array, dq: Array, ddq: Array, gravity: float, work: Workspace, Q: Array
 ) -> None:
@@ -183,7 +182,7 @@ def rigid_body_force(
             Q[n + k - 1] += q[k] * (f1 * cosine - f3 * sine) + Q[n + k]
 
 
-@borrowing_kernel
+@inlined_kernel
 def add_passive_force(arm: Parameters, q: Array, dq: Array, sign: float, Q: Array) -> None:
     """Add ``sign`` times what springs and dampers oppose at (q, dq) to Q (2N,), actuator by actuator; (5), (6)."""
     n = arm.mass.size
@@ -200,7 +199,7 @@ def add_passive_force(arm: Parameters, q: Array, dq: Array, sign: float, Q: Arra
         add_stops(arm, q, sign, Q)
 
 
-@borrowing_kernel
+@inlined_kernel
 def add_friction(arm: Parameters, dq: Array, sign: float, Q: Array) -> None:
     """Add ``sign`` times the actuators' Coulomb friction, with a smooth sign of their speeds, to Q (2N,); F of (36)."""
     n = arm.mass.size
@@ -214,7 +213,7 @@ def add_friction(arm: Parameters, dq: Array, sign: float, Q: Array) -> None:
         Q[n + k] += sign * lever * (first - second)
 
 
-@borrowing_kernel
+@inlined_kernel
 def add_stops(arm: Parameters, q: Array, sign: float, Q: Array) -> None:
     """Add ``sign`` times what the stops oppose to actuators shorter than ``STOP_LENGTH`` to Q (2N,)."""
     n = arm.mass.size
@@ -226,7 +225,7 @@ def add_stops(arm: Parameters, q: Array, sign: float, Q: Array) -> None:
         Q[n + k] += sign * lever * (first - second)
 
 
-@borrowing_kernel
+@inlined_kernel
 def _stop(length: float, stiffness: float) -> float:
     """Return the push of a stop: it sets in with slope 0, and below length 0 its slope is the stiffness."""
     if length >= STOP_LENGTH:
@@ -236,14 +235,14 @@ def _stop(length: float, stiffness: float) -> float:
     return 0.5 * stiffness * (STOP_LENGTH - length) ** 2 / STOP_LENGTH
 
 
-@borrowing_kernel
+@inlined_kernel
 def inverse_dynamics(arm: Parameters, q: Array, dq: Array, ddq: Array, work: Workspace, Q: Array) -> None:
     """Write Q = D ddq + C dq + B dq + F + G, the force that moves the arm so. Needs ``directions(q, work)``."""
     rigid_body_force(arm, q, dq, ddq, arm.gravity, work, Q)
     add_passive_force(arm, q, dq, 1.0, Q)
 
 
-@borrowing_kernel
+@inlined_kernel
 def forward_dynamics(arm: Parameters, q: Array, dq: Array, Q: Array, load: Array, work: Workspace, ddq: Array) -> None:
     """Write the acceleration that solves D ddq + C dq + B dq + F + G = Q + forces of the loads.
 

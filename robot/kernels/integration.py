@@ -6,10 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fuzzy.kernels.jit import kernel
+from fuzzy.kernels.jit import inlined_kernel, kernel
 from robot.kernels import actuation, dynamics
 from robot.kernels.dynamics import Array, Parameters, Workspace
-from robot.kernels.jit import borrowing_kernel
 
 
 class Stages(NamedTuple):
@@ -39,7 +38,7 @@ def new_stages(size: int) -> Stages:
     )
 
 
-@borrowing_kernel
+@inlined_kernel
 def advance(
     plant: Parameters,
     reading: int,

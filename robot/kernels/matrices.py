@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from fuzzy.kernels.jit import kernel
+from fuzzy.kernels.jit import inlined_kernel, kernel
 from robot.kernels.dynamics import Array, Parameters, Workspace
-from robot.kernels.jit import borrowing_kernel
 
 
-@borrowing_kernel
+@inlined_kernel
 def joint_angles(n: int, matrix: Array) -> None:
     """Turn a (2N, 2N) matrix over (s, phi) in place into one over (s, theta).
 
@@ -33,7 +32,7 @@ def joint_angles(n: int, matrix: Array) -> None:
             total += row_value
 
 
-@borrowing_kernel
+@inlined_kernel
 def mass_matrix(arm: Parameters, q: Array, work: Workspace, D: Array) -> None:
     """Write the mass matrix D (2N, 2N), symmetric and positive definite. Needs ``directions(q, work)``.
 
@@ -94,7 +93,7 @@ def coriolis_matrix(arm: Parameters, q: Array, dq: Array, work: Workspace, C: Ar
     joint_angles(n, C)
 
 
-@borrowing_kernel
+@inlined_kernel
 def stiffness_matrix(arm: Parameters, q: Array, work: Workspace, K: Array) -> None:
     """Write K (2N, 2N) = dG/dq, the Hessian of the potential energy. Needs ``directions(q, work)``."""
     n = arm.mass.size
@@ -116,7 +115,7 @@ def stiffness_matrix(arm: Parameters, q: Array, work: Workspace, K: Array) -> No
         K[n + k, n + k] += lever * lever * both
 
 
-@borrowing_kernel
+@inlined_kernel
 def energy(arm: Parameters, q: Array, dq: Array, work: Workspace) -> tuple[float, float]:
     """Return the kinetic and the potential energy, J (4, 5 corrected). Needs ``directions(q, work)``."""
     n = arm.mass.size

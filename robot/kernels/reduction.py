@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from fuzzy.kernels.jit import inlined_kernel
 from robot.kernels.dynamics import Array
-from robot.kernels.jit import borrowing_kernel
 
 
 class Tally(NamedTuple):
@@ -26,7 +26,7 @@ class Tally(NamedTuple):
     """Largest |F| of every actuator, N."""
 
 
-@borrowing_kernel
+@inlined_kernel
 def tally(
     q: Array,
     reference: Array,
