@@ -53,6 +53,7 @@ class MembershipView:
         self._state: AppState | None = None
         self._drawn: tuple[Any, ...] = ()
         self._lines: list[Line] = []
+        self._chart_key: tuple[Any, ...] = ()
         self._thumbs: tuple[Thumb, ...] = ()
         self._slider: Any = None
         self._slider_parts: list[Any] = []
@@ -124,7 +125,8 @@ class MembershipView:
         key = (variable.name, low, high, tuple((thumb.term, thumb.parameter) for thumb in self._thumbs))
         values = tuple(thumb.value for thumb in self._thumbs)
         if key == self._slider_key:
-            self._slider.value = values
+            if self._slider is not None:
+                self._slider.value = values
             return
         self._slider_key = key
         for handle in self._slider_parts:
@@ -132,7 +134,8 @@ class MembershipView:
         self._slider_parts = []
         if values:
             with self._slider_place:
-                self._slider = self._gui.add_multi_slider("", low, high, (high - low) / _STEPS, values)
+                marks = ((low, f"{low:.4g}"), (high, f"{high:.4g}"))
+                self._slider = self._gui.add_multi_slider("", low, high, (high - low) / _STEPS, values, marks=marks)
                 style = self._gui.add_html(full_width_html(self._slider, *_SLIDER_MARGINS))
             self._slider_parts = [self._slider, style]
             on_input(self._slider, self._dispatch, self._dragged)
@@ -149,14 +152,15 @@ class MembershipView:
             fill = css(color, 0.22 if is_chosen else 0.06)
             lines.append(Line(entry.name, css(color), 3.0 if is_chosen else 1.6, fill=fill))
         data = (x, *(shapes.degrees(entry.shape, x) for entry in variable.terms))
-        if self._chart is not None and len(data) == len(self._chart.data):
+        key = (variable.name, len(data), low, high)
+        if self._chart is not None and key == self._chart_key:
             self._chart.data = data
             if lines != self._lines:
                 self._lines = lines
                 self._chart.series = series(lines, variable.name)
             return
-        self._lines = lines
-        if self._chart is not None:  # data and series must change at once: another chart
+        self._lines, self._chart_key = lines, key
+        if self._chart is not None:  # uPlot would keep the other variable's axis, or another number of curves
             self._chart.remove()
         with self._chart_place:
             self._chart = add_chart(

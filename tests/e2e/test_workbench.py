@@ -246,6 +246,25 @@ def test_dragging_a_point_changes_the_metrics_while_the_arm_moves(page: Page, sh
     expect(page.get_by_text(re.compile("Undone: e: drag"))).to_be_visible()
 
 
+def test_the_chart_of_another_variable_has_its_own_axis_and_its_thumbs_stand_under_its_peaks(page: Page) -> None:
+    choose_tab(page, "Membership")
+    page.get_by_role("button", name="T", exact=True).locator("visible=true").click()
+    places = """values => {
+        const charts = Object.values(window.__viserTestpoints?.uplots ?? {}).map(entry => entry.chart);
+        const chart = charts.find(chart => chart.scales.x.min < -100 && chart.over.getBoundingClientRect().width > 0);
+        if (!chart) return [];
+        const left = chart.over.getBoundingClientRect().left;
+        return values.map(value => left + chart.valToPos(value, "x"));
+    }"""
+    peaks = [-85 + 170 / 6 * n for n in range(7)]
+    deadline = time.monotonic() + ANSWER_MS / 1000
+    while len(expected := page.evaluate(places, peaks)) < len(peaks):
+        assert time.monotonic() < deadline, "no chart shows the range of T"
+        time.sleep(0.05)
+    boxes = [thumb.bounding_box() for thumb in page.locator(".multi-slider-thumb").all()]
+    assert [box["x"] + box["width"] / 2 for box in boxes if box] == pytest.approx(expected, abs=3)
+
+
 def test_another_composition_and_another_resolution_change_the_metrics(page: Page, shot: Callable[[str], Path]) -> None:
     choose_tab(page, "Inference")
     choose_tab(page, "Metrics")
