@@ -50,7 +50,7 @@ def borrowing_kernel(function: Kernel) -> Kernel:
 
     Numba counts references to every array that a function receives or looks up. For kernels that neither allocate nor
     keep an array this is wasted, and often most of the running time; without the memory runtime nothing is counted.
-    Such kernels may call only their like, and none may call ``numba.carray``.
+    Such kernels may call only their like.
     """
     return _compile(function, nogil=True, _nrt=False)
 
