@@ -53,7 +53,8 @@ def simulate(
         mismatch: How the real arm differs from the one the controller knows: stiffness=+30%, mass=-10% or damping=...;
             may be given several times.
         disturbance: none or force_noise; by default as the scenario says.
-        natural_frequency: Of the feedback linearization's error dynamics, rad/s; by default 12, and 217 where forces disturb the arm.
+        natural_frequency: Of the feedback linearization's error dynamics, rad/s; by default 12, and 217 where forces
+            disturb the arm.
         seed: Of the disturbance's random numbers.
         output: Write the whole run, one row a millisecond.
         plot: Draw positions, references and forces over time.
