@@ -52,7 +52,8 @@ class PlaybackView:
         self._speed = gui.add_dropdown("speed", tuple(_SPEEDS))
         on_input(self._speed, dispatch, lambda v: PlaybackChanged({"speed": _SPEEDS[clean.choice(v, _SPEEDS)]}))
         self._setup: dict[str, Any] = {}
-        for field, options in _setup_options().items():
+        self._options = _setup_options()
+        for field, options in self._options.items():
             self._setup[field] = gui.add_dropdown(field, tuple(options))
             on_input(self._setup[field], dispatch, partial(_setup_event, field, options))
         self._frequency = gui.add_number("ωn [rad/s]", 1.0, step=1.0, hint="Natural frequency of the error dynamics")
@@ -66,7 +67,7 @@ class PlaybackView:
         playback = state.playback
         self._source.value = _shown(_SOURCES, playback.source)
         self._speed.value = _shown(_SPEEDS, playback.speed)
-        for field, options in _setup_options().items():
+        for field, options in self._options.items():
             self._setup[field].value = _shown(options, getattr(state.setup, field))
         frequency = experiment.natural_frequency(state.setup)
         self._frequency.visible = frequency is not None
