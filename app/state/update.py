@@ -1,22 +1,30 @@
-"""What the workbench shows, as one immutable value, and the pure function that changes it.
-
-Three kinds of state are kept apart. The *document* is undone, redone and saved. The *session* (selections, the
-running experiment, notices) is neither. A *frame* of the moving arm never comes here: see :mod:`app.runner`.
-"""
+"""The pure function that takes the state from one event to the next."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, Literal, NamedTuple, assert_never
+from typing import assert_never
 
 import msgspec
 
+from app.state.events import (
+    Edit,
+    Event,
+    Noticed,
+    Opened,
+    PlaybackChanged,
+    Progressed,
+    Redo,
+    ResetRequested,
+    RunFinished,
+    Saved,
+    Selected,
+    SetupChanged,
+    Undo,
+)
+from app.state.model import AppState, Notice, Source, Step
 from app.storage import Stamp
-from fuzzy.check import Finding
 from fuzzy.errors import FuzzyError
 from fuzzy.system import FuzzySystem
-from robot.metrics import Metrics
-from robot.simulation import Run
 
 HISTORY_LENGTH = 200
 """Steps that can be undone."""
@@ -24,199 +32,6 @@ HISTORY_LENGTH = 200
 GESTURE_SECONDS = 1.0
 """Edits of one gesture that follow each other faster are undone together."""
 
-DragMode = Literal["partition", "free"]
-PlaybackSource = Literal["live", "replay"]
-SPEEDS = (0.1, 0.5, 1.0, 2.0, 5.0)
-
-
-class Source(msgspec.Struct, frozen=True):
-    """Where a document is kept: what was last read or saved, the file's name, and what that looked like on disk."""
-
-    saved: FuzzySystem
-    file: str | None = None
-    stamp: Stamp | None = None
-
-
-class Step(msgspec.Struct, frozen=True):
-    """One step of the history: the document before it, what was done, and the gesture that it belongs to.
-
-    ``source`` is set where the step changed the file too: who undoes it and saves must not overwrite the other file.
-    """
-
-    document: FuzzySystem
-    label: str
-    gesture: str = ""
-    at: float = 0.0
-    source: Source | None = None
-
-
-class Setup(msgspec.Struct, frozen=True):
-    """The experiment: which arm, under which control law, has to do what. Names are those of :mod:`robot`."""
-
-    arm: str = "soft"
-    controller: str = "fuzzy_flc"
-    scenario: str = "step"
-    disturbance: str = "none"
-    natural_frequency: float | None = None  # rad/s; None is what the scenario asks for
-
-
-class Playback(msgspec.Struct, frozen=True):
-    """How time passes: the live simulation, or the finished run from ``time`` (s) on."""
-
-    source: PlaybackSource = "live"
-    is_playing: bool = True
-    speed: float = 1.0
-    time: float = 0.0
-    resets: int = 0  # counts the wishes to begin anew
-
-
-class Notice(msgspec.Struct, frozen=True):
-    """A sentence for the user."""
-
-    text: str
-    is_error: bool = False
-
-
-class Result(NamedTuple):
-    """A whole simulated scenario and its figures of merit."""
-
-    run: Run
-    metrics: Metrics
-
-
-class Runs(msgspec.Struct, frozen=True, eq=False):
-    """Whole simulated scenarios: with the present document, before the last edit, and under plain PID control."""
-
-    current: Result | None = None
-    before: Result | None = None
-    pid: Result | None = None
-
-
-class AppState(msgspec.Struct, frozen=True, eq=False):
-    """All that the views are rendered from."""
-
-    document: FuzzySystem
-    source: Source
-    files: tuple[str, ...] = ()
-    new_name: str = ""
-    past: tuple[Step, ...] = ()
-    future: tuple[Step, ...] = ()
-    brush: str | None = None
-    variable: str = ""
-    term: str = ""
-    drag: DragMode = "partition"
-    coordinate: int = 0
-    setup: Setup = Setup()
-    playback: Playback = Playback()
-    runs: Runs = Runs()
-    findings: tuple[Finding, ...] = ()
-    progress: str | None = "starting"
-    notice: Notice | None = None
-
-    @property
-    def file(self) -> str | None:
-        """Name of the file that the document is kept in."""
-        return self.source.file
-
-    @property
-    def is_unsaved(self) -> bool:
-        """Whether the document differs from the file."""
-        return self.document != self.source.saved
-
-
-class Edit(msgspec.Struct, frozen=True):
-    """Change the document by a pure function; edits of one gesture merge into one step of the history."""
-
-    label: str
-    change: Callable[[FuzzySystem], FuzzySystem]
-    gesture: str = ""
-    at: float = 0.0
-
-
-class Undo(msgspec.Struct, frozen=True):
-    """Take back the last step."""
-
-
-class Redo(msgspec.Struct, frozen=True):
-    """Do again what was taken back last."""
-
-
-class Opened(msgspec.Struct, frozen=True):
-    """A file was read. That can be undone too, so that no unsaved document is ever lost."""
-
-    document: FuzzySystem
-    file: str
-    stamp: Stamp
-    files: tuple[str, ...]
-
-
-class Saved(msgspec.Struct, frozen=True):
-    """A document was written to a file; it may have been edited since."""
-
-    document: FuzzySystem
-    file: str
-    stamp: Stamp
-    files: tuple[str, ...]
-
-
-class Selected(msgspec.Struct, frozen=True):
-    """Change selections of the session, by name."""
-
-    changes: dict[str, Any]
-
-
-class SetupChanged(msgspec.Struct, frozen=True):
-    """Change the experiment, by name."""
-
-    changes: dict[str, Any]
-
-
-class PlaybackChanged(msgspec.Struct, frozen=True):
-    """Change how time passes, by name."""
-
-    changes: dict[str, Any]
-
-
-class ResetRequested(msgspec.Struct, frozen=True):
-    """Begin the live simulation or the replay anew."""
-
-
-class RunFinished(msgspec.Struct, frozen=True, eq=False):
-    """A whole scenario was simulated for ``document`` and ``setup``."""
-
-    document: FuzzySystem
-    setup: Setup
-    result: Result
-    pid: Result
-    findings: tuple[Finding, ...] = ()
-
-
-class Progressed(msgspec.Struct, frozen=True):
-    """Kernels are being made ready: what is done now; None when they are."""
-
-    text: str | None
-
-
-class Noticed(msgspec.Struct, frozen=True):
-    """Tell the user something."""
-
-    notice: Notice | None
-
-
-Event = (
-    Edit
-    | Undo
-    | Redo
-    | Opened
-    | Saved
-    | Selected
-    | SetupChanged
-    | PlaybackChanged
-    | ResetRequested
-    | RunFinished
-    | Progressed
-    | Noticed
-)
 
 _replace = msgspec.structs.replace
 

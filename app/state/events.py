@@ -1,0 +1,108 @@
+"""What can happen to the state: one type for each kind of event."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+
+from app.state.model import Notice, Result, Setup
+from app.storage import Stamp
+from fuzzy.check import Finding
+from fuzzy.system import FuzzySystem
+
+
+class Edit(msgspec.Struct, frozen=True):
+    """Change the document by a pure function; edits of one gesture merge into one step of the history."""
+
+    label: str
+    change: Callable[[FuzzySystem], FuzzySystem]
+    gesture: str = ""
+    at: float = 0.0
+
+
+class Undo(msgspec.Struct, frozen=True):
+    """Take back the last step."""
+
+
+class Redo(msgspec.Struct, frozen=True):
+    """Do again what was taken back last."""
+
+
+class Opened(msgspec.Struct, frozen=True):
+    """A file was read. That can be undone too, so that no unsaved document is ever lost."""
+
+    document: FuzzySystem
+    file: str
+    stamp: Stamp
+    files: tuple[str, ...]
+
+
+class Saved(msgspec.Struct, frozen=True):
+    """A document was written to a file; it may have been edited since."""
+
+    document: FuzzySystem
+    file: str
+    stamp: Stamp
+    files: tuple[str, ...]
+
+
+class Selected(msgspec.Struct, frozen=True):
+    """Change selections of the session, by name."""
+
+    changes: dict[str, Any]
+
+
+class SetupChanged(msgspec.Struct, frozen=True):
+    """Change the experiment, by name."""
+
+    changes: dict[str, Any]
+
+
+class PlaybackChanged(msgspec.Struct, frozen=True):
+    """Change how time passes, by name."""
+
+    changes: dict[str, Any]
+
+
+class ResetRequested(msgspec.Struct, frozen=True):
+    """Begin the live simulation or the replay anew."""
+
+
+class RunFinished(msgspec.Struct, frozen=True, eq=False):
+    """A whole scenario was simulated for ``document`` and ``setup``."""
+
+    document: FuzzySystem
+    setup: Setup
+    result: Result
+    pid: Result
+    findings: tuple[Finding, ...] = ()
+
+
+class Progressed(msgspec.Struct, frozen=True):
+    """Kernels are being made ready: what is done now; None when they are."""
+
+    text: str | None
+
+
+class Noticed(msgspec.Struct, frozen=True):
+    """Tell the user something."""
+
+    notice: Notice | None
+
+
+Event = (
+    Edit
+    | Undo
+    | Redo
+    | Opened
+    | Saved
+    | Selected
+    | SetupChanged
+    | PlaybackChanged
+    | ResetRequested
+    | RunFinished
+    | Progressed
+    | Noticed
+)
