@@ -52,6 +52,38 @@ def piltan(rows: int, columns: int, terms: Sequence[str]) -> Cells:
     return tuple(tuple(terms[number + 3] for number in row) for row in PILTAN)
 
 
+def linear(
+    rows: Sequence[float],
+    columns: Sequence[float],
+    places: Sequence[float],
+    terms: Sequence[str],
+    proportional: float,
+    derivative: float,
+) -> Cells:
+    """Return the table of a linear law: in each cell the term that stands nearest to Kp row + Kd column.
+
+    Halfway between two terms the one further from 0 is taken, so that the table stays antisymmetric.
+
+    Args:
+        rows: Where the terms of the rows' input stand.
+        columns: Likewise for the columns.
+        places: Where the output's terms stand.
+        terms: Their names.
+        proportional: Kp, output over row input.
+        derivative: Kd, output over column input.
+    """
+    if not (math.isfinite(proportional) and math.isfinite(derivative)):
+        raise InvalidSystemError(f"gains {proportional:g} and {derivative:g}: valid are finite numbers", "rules.table")
+    slack = 1e-9 * (max(places) - min(places))
+
+    def cell(wanted: float) -> str:
+        nearest = min(abs(place - wanted) for place in places)
+        candidates = [number for number, place in enumerate(places) if abs(place - wanted) <= nearest + slack]
+        return terms[max(candidates, key=lambda number: abs(places[number]))]
+
+    return tuple(tuple(cell(proportional * row + derivative * column) for column in columns) for row in rows)
+
+
 def mirrored(cells: Cells, terms: Sequence[str]) -> Cells:
     """Return the table made antisymmetric: its first half stays, the second half becomes the first one's mirror.
 

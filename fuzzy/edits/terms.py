@@ -99,6 +99,24 @@ def add_term(system: FuzzySystem, variable: str, name: str, shape: Shape, number
     return changed(replace(system, rules=replace(system.rules, table=table)), found, terms=terms)
 
 
+def move_term(system: FuzzySystem, variable: str, term: str, place: int) -> FuzzySystem:
+    """Put a term at another place in the order of its variable; its row or column of the rule table goes with it."""
+    found = find(system, variable)
+    number = term_number(found, term)
+    if not 0 <= place < len(found.terms):
+        message = f"place {place}: valid are 0 to {len(found.terms) - 1}"
+        raise InvalidSystemError(message, f"{path_of(found)}.terms")
+    order = [n for n in range(len(found.terms)) if n != number]
+    order.insert(place, number)
+    table = system.rules.table
+    if table is not None and table.rows == variable:
+        table = replace(table, cells=tuple(table.cells[n] for n in order))
+    elif table is not None and table.columns == variable:
+        table = replace(table, cells=tuple(tuple(row[n] for n in order) for row in table.cells))
+    terms = tuple(found.terms[n] for n in order)
+    return changed(replace(system, rules=replace(system.rules, table=table)), found, terms=terms)
+
+
 def remove_term(system: FuzzySystem, variable: str, term: str) -> FuzzySystem:
     """Remove a term and what needs it.
 

@@ -63,6 +63,11 @@ def set_range(
     return changed(system, found, low=low, high=high, terms=terms)
 
 
+def set_unit(system: FuzzySystem, variable: str, unit: str) -> FuzzySystem:
+    """Say in which unit a variable is; an empty text is none."""
+    return changed(system, find(system, variable), unit=unit)
+
+
 def set_no_fire(system: FuzzySystem, output: str, no_fire: NoFire) -> FuzzySystem:
     """Choose what an output is when no rule fires."""
     found = find(system, output)
