@@ -4,9 +4,12 @@ Three kinds of state are kept apart. The *document* is undone, redone and saved.
 running experiment, notices) is neither. A *frame* of the moving arm never comes here: see :mod:`app.runner`.
 """
 
+from app.state.design import Design
 from app.state.events import (
+    DesignChanged,
     Edit,
     Event,
+    JumpedTo,
     Noticed,
     Opened,
     PlaybackChanged,
@@ -44,9 +47,12 @@ __all__ = [
     "HISTORY_LENGTH",
     "SPEEDS",
     "AppState",
+    "Design",
+    "DesignChanged",
     "DragMode",
     "Edit",
     "Event",
+    "JumpedTo",
     "Notice",
     "Noticed",
     "Opened",

@@ -30,6 +30,12 @@ class Redo(msgspec.Struct, frozen=True):
     """Do again what was taken back last."""
 
 
+class JumpedTo(msgspec.Struct, frozen=True):
+    """Take back so many of the last steps, or do so many again where ``steps`` is positive."""
+
+    steps: int
+
+
 class Opened(msgspec.Struct, frozen=True):
     """A file was read. That can be undone too, so that no unsaved document is ever lost."""
 
@@ -50,6 +56,12 @@ class Saved(msgspec.Struct, frozen=True):
 
 class Selected(msgspec.Struct, frozen=True):
     """Change selections of the session, by name."""
+
+    changes: dict[str, Any]
+
+
+class DesignChanged(msgspec.Struct, frozen=True):
+    """Change selections of the Design panel, by name."""
 
     changes: dict[str, Any]
 
@@ -96,9 +108,11 @@ Event = (
     Edit
     | Undo
     | Redo
+    | JumpedTo
     | Opened
     | Saved
     | Selected
+    | DesignChanged
     | SetupChanged
     | PlaybackChanged
     | ResetRequested

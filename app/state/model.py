@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 
 import msgspec
 
+from app.state.design import Design
 from app.storage import Stamp
 from fuzzy.check import Finding
 from fuzzy.system import FuzzySystem
@@ -93,6 +94,7 @@ class AppState(msgspec.Struct, frozen=True, eq=False):
     variable: str = ""
     term: str = ""
     drag: DragMode = "partition"
+    design: Design = Design()
     coordinate: int = 0
     setup: Setup = Setup()
     playback: Playback = Playback()

@@ -6,9 +6,12 @@ from typing import assert_never
 
 import msgspec
 
+from app.state.design import after_edit, fitting
 from app.state.events import (
+    DesignChanged,
     Edit,
     Event,
+    JumpedTo,
     Noticed,
     Opened,
     PlaybackChanged,
@@ -23,6 +26,7 @@ from app.state.events import (
 )
 from app.state.model import AppState, Notice, Source, Step
 from app.storage import Stamp
+from fuzzy import edits
 from fuzzy.errors import FuzzyError
 from fuzzy.system import FuzzySystem
 
@@ -35,13 +39,15 @@ GESTURE_SECONDS = 1.0
 
 _replace = msgspec.structs.replace
 
+_TERM = {"variable", "term"}
+
 
 def initial(
     document: FuzzySystem, *, file: str | None = None, stamp: Stamp | None = None, files: tuple[str, ...] = ()
 ) -> AppState:
     """Return the state in which the workbench opens with a document."""
-    table = document.rules.table
-    output = next((variable for variable in document.outputs if table and variable.name == table.output), None)
+    grid = edits.default_grid(document)
+    output = next((variable for variable in document.outputs if grid and variable.name == grid.output), None)
     brush = output.terms[-1].name if output else None
     state = AppState(document=document, source=Source(document, file, stamp), files=files, brush=brush)
     return _with_valid_selection(state)
@@ -56,6 +62,8 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
             return _undone(state)
         case Redo():
             return _redone(state)
+        case JumpedTo():
+            return _jumped(state, event.steps)
         case Opened():
             step = Step(state.document, f"open {event.file}", source=state.source)
             opened = _changed(state, event.document, (*state.past, step), ())
@@ -65,7 +73,11 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
             source = Source(event.document, event.file, event.stamp)
             return _replace(state, source=source, files=event.files, notice=Notice(f"Saved {event.file}."))
         case Selected():
-            return _with_valid_selection(_replace(state, **event.changes))
+            # A name that is being written belongs to the term that was chosen.
+            named = {"design": _replace(state.design, term_name=None)} if event.changes.keys() & _TERM else {}
+            return _with_valid_selection(_replace(state, **(named | event.changes)))
+        case DesignChanged():
+            return _with_valid_selection(_replace(state, design=_replace(state.design, **event.changes)))
         case SetupChanged():
             # Another disturbance asks for another bandwidth; one that was chosen by hand was chosen for the old one.
             reset = {"natural_frequency": None} if "disturbance" in event.changes else {}
@@ -100,7 +112,8 @@ def _edited(state: AppState, event: Edit) -> AppState:
     last = state.past[-1] if state.past else None
     if last and event.gesture and last.gesture == event.gesture and event.at - last.at < GESTURE_SECONDS:
         past = (*state.past[:-1], _replace(last, label=event.label, at=event.at))
-        merged = _replace(state, document=document, past=past, future=(), notice=None)
+        design = after_edit(state.design)
+        merged = _replace(state, document=document, past=past, future=(), notice=None, design=design)
         return _with_valid_selection(merged)
     step = Step(state.document, event.label, event.gesture, event.at)
     return _replace(_changed(state, document, (*state.past, step), ()), notice=None)
@@ -124,6 +137,17 @@ def _redone(state: AppState) -> AppState:
     return _replace(redone, source=step.source or state.source, notice=Notice(f"Done again: {step.label}."))
 
 
+def _jumped(state: AppState, steps: int) -> AppState:
+    """Return the state some steps back, or forth."""
+    if not -len(state.past) <= steps <= len(state.future):
+        return _replace(state, notice=Notice("That step of the history is no longer there.", is_error=True))
+    for _ in range(abs(steps)):
+        state = _undone(state) if steps < 0 else _redone(state)
+    words = "back" if steps < 0 else "again"
+    count = f"{abs(steps)} step{'s' if abs(steps) != 1 else ''}"
+    return _replace(state, notice=Notice(f"{count} {words}.")) if steps else state
+
+
 def _opposite(state: AppState, step: Step) -> Step:
     """Return the step that leads back from where ``step`` leads."""
     return Step(state.document, step.label, source=state.source if step.source else None)
@@ -132,7 +156,8 @@ def _opposite(state: AppState, step: Step) -> Step:
 def _changed(state: AppState, document: FuzzySystem, past: tuple[Step, ...], future: tuple[Step, ...]) -> AppState:
     """Return the state with another document; the run so far becomes the one to compare with."""
     runs = _replace(state.runs, before=state.runs.current)
-    changed = _replace(state, document=document, past=past[-HISTORY_LENGTH:], future=future, runs=runs)
+    kept = past[-HISTORY_LENGTH:]
+    changed = _replace(state, document=document, past=kept, future=future, runs=runs, design=after_edit(state.design))
     return _with_valid_selection(changed)
 
 
@@ -143,10 +168,10 @@ def _with_valid_selection(state: AppState) -> AppState:
     variable = state.variable if state.variable in variables else document.inputs[0].name
     terms = [term.name for term in variables[variable].terms]
     term = state.term if state.term in terms else terms[len(terms) // 2]
-    table = document.rules.table
-    # Without a table there is nothing to paint: the brush waits for the next document with one.
-    brushes = [t.name for t in variables[table.output].terms] if table else [state.brush]
+    design = fitting(state.design, document)
+    # Without a grid there is nothing to paint: the brush waits for the next document with one.
+    brushes = [t.name for t in variables[design.grid.output].terms] if design.grid else [state.brush]
     brush = state.brush if state.brush is None or state.brush in brushes else brushes[-1]
-    if (variable, term, brush) == (state.variable, state.term, state.brush):
+    if (variable, term, brush, design) == (state.variable, state.term, state.brush, state.design):
         return state
-    return _replace(state, variable=variable, term=term, brush=brush)
+    return _replace(state, variable=variable, term=term, brush=brush, design=design)

@@ -16,8 +16,11 @@ from app.state import (
     GESTURE_SECONDS,
     HISTORY_LENGTH,
     AppState,
+    Design,
+    DesignChanged,
     Edit,
     Event,
+    JumpedTo,
     Notice,
     Noticed,
     Opened,
@@ -40,7 +43,7 @@ from fuzzy import edits
 from fuzzy.errors import FuzzyError
 from fuzzy.formats import dumps, load
 from fuzzy.shapes import Triangle, parameter_names
-from fuzzy.system import FuzzySystem, Variable
+from fuzzy.system import FuzzySystem, Is, Variable
 from tests import strategies
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
@@ -141,8 +144,42 @@ def _set_inference(system: FuzzySystem, pick: Pick) -> FuzzySystem:
     return edits.set_inference(system, **changes[pick.other % len(changes)])
 
 
+def _space_terms(system: FuzzySystem, pick: Pick) -> FuzzySystem:
+    return edits.space_terms(system, _variable(system, pick).name, pick.term)
+
+
+def _insert_term(system: FuzzySystem, pick: Pick) -> FuzzySystem:
+    variable = _variable(system, pick)
+    after = variable.terms[pick.term % len(variable.terms)].name
+    return edits.insert_term(system, variable.name, pick.name, after, joins=bool(pick.other % 2))
+
+
+def _move_term(system: FuzzySystem, pick: Pick) -> FuzzySystem:
+    variable = _variable(system, pick)
+    term = variable.terms[pick.term % len(variable.terms)].name
+    return edits.move_term(system, variable.name, term, pick.other % (len(variable.terms) + 1))
+
+
+def _paint_grid(system: FuzzySystem, pick: Pick) -> FuzzySystem:
+    names = [None, *(term.name for term in system.outputs[0].terms)]
+    return edits.set_cell(system, pick.term, pick.other, names[pick.variable % len(names)], edits.default_grid(system))
+
+
+def _turn_rules(system: FuzzySystem) -> FuzzySystem:
+    grid = edits.default_grid(system)
+    return edits.dissolve_table(system) if grid is None or system.rules.table else edits.give_table(system, grid)
+
+
+def _edit_list(system: FuzzySystem, pick: Pick) -> FuzzySystem:
+    if pick.other % 2:
+        return edits.remove_rule(system, pick.term)
+    return edits.set_weight(system, pick.term, pick.share)
+
+
 CHANGES: tuple[Callable[[FuzzySystem, Pick], FuzzySystem], ...] = (
     *(_move, _paint, _rename_term, _remove_term, _add_term, _rename_variable, _set_range, _set_shape, _set_inference),
+    *(_space_terms, _insert_term, _move_term, _paint_grid, _edit_list),
+    lambda system, _: _turn_rules(system),
     lambda system, _: edits.fill_diagonal(system),
     lambda system, _: edits.clear_table(system),
     lambda system, pick: edits.set_notes(system, pick.name),
@@ -152,10 +189,10 @@ picks = st.builds(
     Pick, st.integers(0, 5), st.integers(0, 7), st.integers(0, 7), st.floats(-0.25, 1.5), strategies.names
 )
 any_edits = st.builds(
-    lambda change, pick: Edit("edit", partial(change, pick=pick)), st.sampled_from(CHANGES[:9]), picks
+    lambda change, pick: Edit("edit", partial(change, pick=pick)), st.sampled_from(CHANGES[:14]), picks
 ) | (
     st.builds(
-        lambda change, pick: Edit("edit", lambda system: change(system, pick)), st.sampled_from(CHANGES[9:]), picks
+        lambda change, pick: Edit("edit", lambda system: change(system, pick)), st.sampled_from(CHANGES[14:]), picks
     )
 )
 documents = st.sampled_from((DIAGONAL, PILTAN)) | strategies.systems(name=strategies.names)
@@ -212,6 +249,13 @@ any_events = st.one_of(
     any_edits,
     st.builds(Undo),
     st.builds(Redo),
+    st.builds(JumpedTo, st.integers(-4, 4)),
+    st.builds(
+        lambda **changes: DesignChanged(changes),
+        grid=st.none() | st.just(edits.Grid("e", "de", "T", (Is("x", "low"),))),
+        rule=st.none() | st.integers(0, 9),
+        probe=st.none() | st.just((0.1, 0.2)),
+    ),
     st.builds(lambda document: Opened(document, "other.yaml", STAMP, ("other.yaml",)), documents),
     st.builds(lambda document: Saved(document, "mine.yaml", STAMP, ("mine.yaml",)), documents),
     st.builds(lambda name: Selected({"variable": name}), strategies.names),
@@ -237,8 +281,12 @@ def test_after_any_event_the_selections_exist_and_the_state_before_is_as_it_was(
         state = changed
         by_name = {variable.name: [term.name for term in variable.terms] for variable in variables(state.document)}
         assert state.term in by_name[state.variable]
-        table = state.document.rules.table
-        assert table is None or state.brush is None or state.brush in by_name[table.output]
+        grid = state.design.grid
+        assert grid is None or state.brush is None or state.brush in by_name[grid.output]
+        assert (grid is None) == (len(state.document.inputs) < 2)
+        assert grid is None or all(said.term in by_name[said.variable] for said in grid.slice)
+        assert state.design.rule is None or state.design.rule < len(state.document.rules.list)
+        assert state.design.probe is None or len(state.design.probe) == len(state.document.inputs)
         assert len(state.past) <= HISTORY_LENGTH
         assert state.is_unsaved == (dumps(state.document) != dumps(state.source.saved))
 
@@ -469,11 +517,61 @@ def test_every_event_is_handled():
     """A new kind of event without a case would fail here, not in the browser."""
     kinds = set(cast("Any", app_state.Event).__args__)
     assert kinds == {
-        *(Edit, Undo, Redo, Opened, Saved, Selected, SetupChanged, PlaybackChanged, ResetRequested, RunFinished),
+        *(
+            Edit,
+            Undo,
+            Redo,
+            JumpedTo,
+            DesignChanged,
+            Opened,
+            Saved,
+            Selected,
+            SetupChanged,
+            PlaybackChanged,
+            ResetRequested,
+            RunFinished,
+        ),
         *(Progressed, Noticed),
     }
     with pytest.raises(AssertionError):
         update(initial(DIAGONAL), cast("Event", object()))
+
+
+def test_a_jump_is_as_many_steps_and_back_again():
+    state = initial(DIAGONAL, file="diagonal.yaml")
+    visited = [state]
+    for event in (paint(0, 0, "Z"), Opened(PILTAN, "piltan.yaml", STAMP, ()), paint(1, 1, "Z"), paint(2, 2, "Z")):
+        state = update(state, event)
+        visited.append(state)
+    for steps in range(1, 5):
+        jumped = update(state, JumpedTo(-steps))
+        assert jumped.document == visited[-1 - steps].document
+        assert jumped.source == visited[-1 - steps].source
+        assert (len(jumped.past), len(jumped.future)) == (4 - steps, steps)
+        again = update(jumped, JumpedTo(steps))
+        assert (again.document, again.source) == (state.document, state.source)
+    for impossible in (-5, 1):
+        refused = update(state, JumpedTo(impossible))
+        assert refused.document is state.document
+        assert refused.notice is not None
+        assert refused.notice.is_error
+    assert update(state, JumpedTo(0)) is state
+
+
+def test_what_is_being_written_belongs_to_what_was_chosen_and_ends_with_the_edit():
+    state = after(initial(DIAGONAL), DesignChanged({"term_name": "big", "rule_text": "if", "marked": ((0, 0),)}))
+    assert update(state, Selected({"brush": "LL"})).design == state.design
+    assert update(state, Selected({"term": "PS"})).design.term_name is None
+    edited = update(state, paint(0, 0, "Z")).design
+    assert (edited.term_name, edited.rule_text, edited.marked) == (None, None, ())
+    assert update(state, paint(0, 0, "no such term")).design == state.design
+    assert update(state, Undo()).design == state.design, "there was nothing to undo"
+
+
+def test_choices_that_the_document_does_not_have_are_dropped():
+    state = initial(DIAGONAL)
+    changes = {"rule": 3, "probe": (1.0,), "grid": edits.Grid("e", "x", "T")}
+    assert update(state, DesignChanged(changes)).design == Design(grid=edits.Grid("e", "de", "T"))
 
 
 def test_undoing_an_opening_gives_back_the_file_too_so_that_saving_overwrites_no_other():
