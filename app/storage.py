@@ -1,7 +1,8 @@
 """The folder of rule bases that the workbench opens from and saves to.
 
 A browser names files, never paths: what is opened or replaced is one of the files that :meth:`Storage.names` lists,
-and what is new has a plain name. Links that lead out of the folder are neither listed nor written through.
+and what is new has a plain name. Links that lead out of the folder are neither listed nor written through. Everything
+here waits for the disk: the page calls it through :mod:`app.filing`, off the event loop.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from app import clean
+from app import clean, durable
 from fuzzy import formats
 from fuzzy.errors import FormatError, FuzzyError, expected
 from fuzzy.system import FuzzySystem
@@ -23,10 +24,6 @@ _TRIES = 5
 
 class StorageError(Exception):
     """A file that cannot be opened or saved; the message is one sentence that can be shown."""
-
-
-class ChangedOnDiskError(StorageError):
-    """A file that would be overwritten is not the one that was opened; saving needs the user's word."""
 
 
 class Stamp(msgspec.Struct, frozen=True):
@@ -41,6 +38,18 @@ class Stamp(msgspec.Struct, frozen=True):
     modified_ns: int
     size: int
     digest: str
+
+
+class ChangedOnDiskError(StorageError):
+    """A file that would be overwritten is not the one that was opened; saving needs the user's word.
+
+    Attributes:
+        stamp: What the file looks like now.
+    """
+
+    def __init__(self, message: str, stamp: Stamp) -> None:
+        super().__init__(message)
+        self.stamp = stamp
 
 
 class Opened(NamedTuple):
@@ -60,6 +69,7 @@ class Storage:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder.resolve()
+        durable.clear_unfinished(self.folder)
 
     def names(self) -> tuple[str, ...]:
         """Return the names of the rule bases in the folder, sorted.
@@ -92,15 +102,28 @@ class Storage:
             raise StorageError(f"{name} cannot be read: {error.strerror}") from error
         raise StorageError(f"{name} keeps changing while it is read; try again")
 
-    def is_changed(self, name: str, stamp: Stamp) -> bool:
-        """Tell whether a file is no longer the one that had ``stamp``; one that is gone counts as changed."""
+    def changed(self, name: str, stamp: Stamp) -> Stamp | None:
+        """Return what a file looks like now if it is no longer the one that had ``stamp``; None if it is, or is gone.
+
+        A new time alone (``touch``, a checkout) is no change, and whoever deleted the file has nothing to lose.
+
+        Raises:
+            StorageError: The file cannot be read.
+        """
+        path = self.folder / self._known(name)
         try:
-            return _differs(self.folder / self._known(name), stamp)
-        except (OSError, StorageError):
-            return True
+            status = path.stat()
+            if (status.st_mtime_ns, status.st_size) == (stamp.modified_ns, stamp.size):
+                return None
+            now = _stamp(path)
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise StorageError(f"{name} cannot be read: {error.strerror}") from error
+        return None if now.digest == stamp.digest else now
 
     def save(self, name: str, system: FuzzySystem, stamp: Stamp) -> Stamp:
-        """Write a system to the file that it was read from, whole or not at all.
+        """Write a system to the file that it was read from, whole or not at all, and keep the old file as a .bak.
 
         Args:
             name: The file's name.
@@ -114,16 +137,10 @@ class Storage:
             ChangedOnDiskError: The file was changed meanwhile. ``save_as(..., overwrite=True)`` replaces it.
             StorageError: The system is not valid or the file cannot be written; the file is as it was.
         """
-        path = self.folder / self._known(name)
-        try:
-            is_changed = _differs(path, stamp)
-        except FileNotFoundError:
-            is_changed = False  # whoever deleted it has nothing to lose
-        except OSError as error:
-            raise StorageError(f"{name} cannot be read: {error.strerror}") from error
-        if is_changed:
-            raise ChangedOnDiskError(f"{name} was changed on disk since it was opened")
-        return self._write(path, system)
+        now = self.changed(name, stamp)
+        if now is not None:
+            raise ChangedOnDiskError(f"{name} was changed on disk since it was opened", now)
+        return self._write(self.folder / name, system)
 
     def save_as(self, name: str, system: FuzzySystem, *, overwrite: bool = False) -> Stamp:
         """Write a system to a file of this name, whole or not at all.
@@ -131,7 +148,7 @@ class Storage:
         Args:
             name: A plain name that ends in .yaml, or one of the listed files.
             system: A valid system.
-            overwrite: Whether a file of that name is replaced.
+            overwrite: Whether a file of that name is replaced; it is kept as a .bak.
 
         Returns:
             What the file looks like now.
@@ -142,21 +159,26 @@ class Storage:
         """
         path = self.folder / self._known(name)
         if path.exists() and not overwrite:
-            raise ChangedOnDiskError(f"there is a file {name} already")
+            raise ChangedOnDiskError(f"there is a file {name} already", _stamp(path))
         return self._write(path, system)
 
     def _write(self, path: Path, system: FuzzySystem) -> Stamp:
         if path.is_symlink() and not self._is_rule_base(path):
             raise StorageError(f"{path.name} is a link that leads out of the folder")
+        target = path.resolve()
         try:
-            formats.save(system, path)
-            return _stamp(path)
+            with durable.replacing(target, keeps_backup=True) as temporary:
+                formats.save(system, temporary)
+            return _stamp(target)
         except FormatError as error:
-            raise StorageError(f"{path.name}: {error.message}") from error
+            raise StorageError(f"{path.name}: {error.message}{self._gone()}") from error
         except FuzzyError as error:
             raise StorageError(f"{path.name} is not saved, the rule base is not valid: {error}") from error
         except OSError as error:
-            raise StorageError(f"{path.name} cannot be read again: {error.strerror}") from error
+            raise StorageError(f"{path.name}: the file cannot be written: {error.strerror}{self._gone()}") from error
+
+    def _gone(self) -> str:
+        return "" if self.folder.is_dir() else f"; the folder {self.folder} is gone"
 
     def _is_rule_base(self, entry: Path) -> bool:
         is_named_so = entry.suffix.lower() in formats.SUFFIXES and not entry.name.startswith(".")
@@ -185,14 +207,6 @@ def _stamp(path: Path) -> Stamp:
     with path.open("rb") as file:
         status = path.stat()
         return Stamp(status.st_mtime_ns, status.st_size, hashlib.file_digest(file, "sha256").hexdigest())
-
-
-def _differs(path: Path, stamp: Stamp) -> bool:
-    """Tell whether the content of a file is another; a new time alone (``touch``, a checkout) is none."""
-    status = path.stat()
-    if (status.st_mtime_ns, status.st_size) == (stamp.modified_ns, stamp.size):
-        return False
-    return _stamp(path).digest != stamp.digest
 
 
 def _place(name: str, error: FormatError) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Any
 
 import viser
@@ -17,10 +17,13 @@ from app.store import Dispatch
 _TINY = 5e-4
 _MARK = "● "
 
+Meaning = Event | tuple[Event, ...] | None
+"""What a user's change of a widget means: events, or nothing."""
+
 FONT = "Inter,system-ui,-apple-system,'Segoe UI',sans-serif"
 
 
-def on_input(handle: Any, dispatch: Dispatch, to_event: Callable[[Any], Event | tuple[Event, ...] | None]) -> None:
+def on_input(handle: Any, dispatch: Dispatch, to_event: Callable[[Any], Meaning | Awaitable[Meaning]]) -> None:
     """Dispatch what a user's change of a widget means.
 
     A value that is refused leaves the state as it is; the rendering that follows any event puts the widget back.
@@ -29,13 +32,15 @@ def on_input(handle: Any, dispatch: Dispatch, to_event: Callable[[Any], Event | 
         handle: Handle of a viser input or button.
         dispatch: Where events go.
         to_event: Makes the event, or several, from the widget's value; may raise ``Refused``; None is nothing to do.
+            What takes longer, such as a file, is a coroutine.
     """
 
     async def callback(event: viser.GuiEvent[Any]) -> None:
         if event.client is None:  # set by the program, not by a hand
             return
         try:
-            meant = to_event(event.target.value)
+            meaning = to_event(event.target.value)
+            meant = await meaning if isinstance(meaning, Awaitable) else meaning
         except Refused as refusal:
             meant = Noticed(Notice(f"Refused: {refusal}.", is_error=True))
         for one in meant if isinstance(meant, tuple) else (meant,):

@@ -5,14 +5,17 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
+from collections.abc import Awaitable
 from pathlib import Path
 from typing import Any, Protocol
 
 import viser
 
+from app.filing import Filing
 from app.guard import start_server
+from app.journal import Journal
 from app.runner import Frame, Runner
-from app.state import Event, PlaybackChanged, Redo, ResetRequested, Undo, initial
+from app.state import Asked, Event, Notice, Noticed, PlaybackChanged, Redo, ResetRequested, Undo, initial
 from app.storage import Storage
 from app.store import Store
 from app.views.arm import ArmView
@@ -23,6 +26,7 @@ from app.views.membership import MembershipView
 from app.views.metrics import MetricsView
 from app.views.playback import PlaybackView
 from app.views.plots import PlotsView
+from app.views.question import QuestionView
 from app.views.rules import RulesView
 from app.warmup import warm_up
 
@@ -64,18 +68,27 @@ class Workbench:
         self.store = Store(
             initial(opened.system, file=path.name, stamp=opened.stamp, files=storage.names()), self._loop
         )
+        self._filing = Filing(storage, lambda: self.store.state)
+        self._journal = Journal(storage.folder, self._warn)
         self._runner = Runner(self.store.post, lambda post: warm_up(opened.system, post))
         self._live_views: list[LiveView] = []
-        asyncio.run_coroutine_threadsafe(self._build(storage), self._loop).result()
-        self._stream = asyncio.run_coroutine_threadsafe(self._stream_frames(), self._loop)
+        asyncio.run_coroutine_threadsafe(self._build(), self._loop).result()
+        self.store.post(Asked(self._journal.found()))
+        background = (self._stream_frames(), self._filing.watch(self.store.dispatch))
+        self._background = [asyncio.run_coroutine_threadsafe(work, self._loop) for work in background]
 
     def stop(self) -> None:
-        """End the background work and the server."""
-        self._stream.cancel()
+        """Keep unsaved work for the next start, then end the background work and the server."""
+        for work in self._background:
+            work.cancel()
+        self.is_left = self._journal.close()
         self._runner.stop()
         self.server.stop()
 
-    async def _build(self, storage: Storage) -> None:
+    def _warn(self, sentence: str) -> None:
+        self.store.post(Noticed(Notice(sentence, is_error=True)))
+
+    async def _build(self) -> None:
         """Lay out the panels and fill them; on the event loop, as all that touches widgets."""
         gui, dispatch = self.server.gui, self.store.dispatch
         gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, brand_color=(79, 143, 247))
@@ -89,7 +102,7 @@ class Workbench:
             inference = InferenceView(gui, dispatch)
             explanation = ExplainView(gui)
         with design.add_tab("Files", viser.Icon.FOLDER):
-            files = FilesView(gui, dispatch, storage)
+            files = FilesView(gui, dispatch, self._filing)
         playback = PlaybackView(gui, dispatch)
         response = gui.add_panel()
         with response.add_tab("Plots", viser.Icon.CHART_LINE):
@@ -101,12 +114,14 @@ class Workbench:
         gui.main_panel.dock_right()
         gui.main_panel.set_width(_PANEL_WIDTH)
         response.dock_below(gui.main_panel)
+        question = QuestionView(gui, dispatch, self._filing, self._journal)
         arm = ArmView(self.server)
         self._live_views = [arm, rules, membership, explanation, playback]
-        self.store.add(self._runner, rules, membership, inference, explanation, files, playback, plots, metrics)
-        self._add_commands(files)
+        self.store.add(self._journal, self._runner, rules, membership, inference, explanation, files, question)
+        self.store.add(playback, plots, metrics)
+        self._add_commands()
 
-    def _add_commands(self, files: FilesView) -> None:
+    def _add_commands(self) -> None:
         """Register the hotkeys."""
 
         def add(label: str, to_event: Any, hotkey: Any, modifier: Any = None) -> None:
@@ -114,14 +129,15 @@ class Workbench:
 
             @command.on_trigger
             async def _(_: Any) -> None:
-                self.store.dispatch(to_event())
+                event = to_event()
+                self.store.dispatch(await event if isinstance(event, Awaitable) else event)
 
         def play_or_pause() -> Event:
             return PlaybackChanged({"is_playing": not self.store.state.playback.is_playing})
 
         add("Undo", Undo, "Z", "cmd/ctrl")
         add("Redo", Redo, "Z", "cmd/ctrl+shift")
-        add("Save", files.save, "S", "cmd/ctrl")
+        add("Save", self._filing.save, "S", "cmd/ctrl")
         add("Play or pause", play_or_pause, "space")
         add("Reset", ResetRequested, "R")
 

@@ -1,9 +1,10 @@
-"""What all tests share: reproducible hypothesis runs, matplotlib without a display."""
+"""What all tests share: reproducible hypothesis runs, matplotlib without a display, journals out of the way."""
 
 from __future__ import annotations
 
 import os
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 # The first call of a kernel compiles it: a deadline would measure the compiler. Without `derandomize` two runs of
@@ -14,3 +15,9 @@ settings.register_profile(
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "workbench"))
 
 os.environ["MPLBACKEND"] = "Agg"
+
+
+@pytest.fixture(autouse=True, scope="session")
+def journals_of_their_own(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Keep the workbenches of the tests from what is left of the user's own."""
+    os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))

@@ -6,6 +6,7 @@ running experiment, notices) is neither. A *frame* of the moving arm never comes
 
 from app.state.design import Design
 from app.state.events import (
+    Asked,
     DesignChanged,
     Edit,
     Event,
@@ -14,6 +15,7 @@ from app.state.events import (
     Opened,
     PlaybackChanged,
     Progressed,
+    Recovered,
     Redo,
     ResetRequested,
     RunFinished,
@@ -25,15 +27,19 @@ from app.state.events import (
 from app.state.model import (
     SPEEDS,
     AppState,
+    Conflict,
     DragMode,
     Notice,
     Playback,
     PlaybackSource,
+    Question,
+    Recovery,
     Result,
     Runs,
     Setup,
     Source,
     Step,
+    Work,
 )
 from app.state.update import (
     GESTURE_SECONDS,
@@ -47,6 +53,8 @@ __all__ = [
     "HISTORY_LENGTH",
     "SPEEDS",
     "AppState",
+    "Asked",
+    "Conflict",
     "Design",
     "DesignChanged",
     "DragMode",
@@ -60,6 +68,9 @@ __all__ = [
     "PlaybackChanged",
     "PlaybackSource",
     "Progressed",
+    "Question",
+    "Recovered",
+    "Recovery",
     "Redo",
     "ResetRequested",
     "Result",
@@ -72,6 +83,7 @@ __all__ = [
     "Source",
     "Step",
     "Undo",
+    "Work",
     "initial",
     "update",
 ]

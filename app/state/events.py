@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from app.state.model import Notice, Result, Setup
+from app.state.model import Notice, Question, Result, Setup, Source, Work
 from app.storage import Stamp
 from fuzzy.check import Finding
 from fuzzy.system import FuzzySystem
@@ -46,12 +46,28 @@ class Opened(msgspec.Struct, frozen=True):
 
 
 class Saved(msgspec.Struct, frozen=True):
-    """A document was written to a file; it may have been edited since."""
+    """A document was written to a file; it may have been edited since.
+
+    ``origin`` is where the document was kept when saving began: another file may have been opened since.
+    """
 
     document: FuzzySystem
     file: str
     stamp: Stamp
     files: tuple[str, ...]
+    origin: Source | None = None
+
+
+class Recovered(msgspec.Struct, frozen=True):
+    """Go on with the work of a session that crashed. What is open now stays in the history, if it was edited."""
+
+    work: Work
+
+
+class Asked(msgspec.Struct, frozen=True):
+    """Put a question to the user; None takes it back."""
+
+    question: Question | None
 
 
 class Selected(msgspec.Struct, frozen=True):
@@ -111,6 +127,8 @@ Event = (
     | JumpedTo
     | Opened
     | Saved
+    | Recovered
+    | Asked
     | Selected
     | DesignChanged
     | SetupChanged

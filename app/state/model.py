@@ -39,6 +39,39 @@ class Step(msgspec.Struct, frozen=True):
     source: Source | None = None
 
 
+class Work(msgspec.Struct, frozen=True):
+    """What must not be lost: the document, its file, and the history."""
+
+    document: FuzzySystem
+    source: Source
+    past: tuple[Step, ...] = ()
+    future: tuple[Step, ...] = ()
+
+    @property
+    def is_unsaved(self) -> bool:
+        """Whether a document is in no file: the present one, or one that was left by opening another file."""
+        left = ((step.document, step.source) for step in (*self.past, *self.future) if step.source is not None)
+        return any(document != source.saved for document, source in ((self.document, self.source), *left))
+
+
+class Conflict(msgspec.Struct, frozen=True):
+    """A question: the opened file was changed by somebody else and now looks like ``stamp``; whose version stays?"""
+
+    file: str
+    stamp: Stamp
+
+
+class Recovery(msgspec.Struct, frozen=True):
+    """A question: a session that crashed left ``work``, last written at ``at`` (s since 1970); go on with it?"""
+
+    work: Work
+    at: float
+    journal: str
+
+
+Question = Conflict | Recovery
+
+
 class Setup(msgspec.Struct, frozen=True):
     """The experiment: which arm, under which control law, has to do what. Names are those of :mod:`robot`."""
 
@@ -102,6 +135,12 @@ class AppState(msgspec.Struct, frozen=True, eq=False):
     findings: tuple[Finding, ...] = ()
     progress: str | None = "starting"
     notice: Notice | None = None
+    question: Question | None = None
+
+    @property
+    def work(self) -> Work:
+        """What must not be lost."""
+        return Work(self.document, self.source, self.past, self.future)
 
     @property
     def file(self) -> str | None:

@@ -8,6 +8,7 @@ import msgspec
 
 from app.state.design import after_edit, fitting
 from app.state.events import (
+    Asked,
     DesignChanged,
     Edit,
     Event,
@@ -16,6 +17,7 @@ from app.state.events import (
     Opened,
     PlaybackChanged,
     Progressed,
+    Recovered,
     Redo,
     ResetRequested,
     RunFinished,
@@ -24,7 +26,7 @@ from app.state.events import (
     SetupChanged,
     Undo,
 )
-from app.state.model import AppState, Notice, Source, Step
+from app.state.model import AppState, Notice, Source, Step, Work
 from app.storage import Stamp
 from fuzzy import edits
 from fuzzy.errors import FuzzyError
@@ -68,10 +70,13 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
             step = Step(state.document, f"open {event.file}", source=state.source)
             opened = _changed(state, event.document, (*state.past, step), ())
             source = Source(event.document, event.file, event.stamp)
-            return _replace(opened, source=source, files=event.files, notice=None)
+            return _replace(opened, source=source, files=event.files, notice=None, question=None)
         case Saved():
-            source = Source(event.document, event.file, event.stamp)
-            return _replace(state, source=source, files=event.files, notice=Notice(f"Saved {event.file}."))
+            return _saved(state, event)
+        case Recovered():
+            return _recovered(state, event.work)
+        case Asked():
+            return _replace(state, question=event.question)
         case Selected():
             # A name that is being written belongs to the term that was chosen.
             named = {"design": _replace(state.design, term_name=None)} if event.changes.keys() & _TERM else {}
@@ -100,6 +105,29 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
             return _replace(state, notice=event.notice)
         case _:
             assert_never(event)
+
+
+def _saved(state: AppState, event: Saved) -> AppState:
+    source = Source(event.document, event.file, event.stamp)
+    notice = Notice(f"Saved {event.file}.")
+    saved = _replace(state, files=event.files, notice=notice, question=None)
+    if event.origin is None or event.origin == state.source:
+        return _replace(saved, source=source)
+
+    def after(step: Step) -> Step:  # the document that was saved waits in the history
+        return _replace(step, source=source) if step.source == event.origin else step
+
+    return _replace(saved, past=tuple(map(after, state.past)), future=tuple(map(after, state.future)))
+
+
+def _recovered(state: AppState, work: Work) -> AppState:
+    """Return the state with recovered work; edits made since the start come between it and its own history."""
+    past = work.past
+    if state.past:
+        way_back = Step(work.document, "recovered work", source=work.source)
+        past = (*past, way_back, *state.past, Step(state.document, "recover", source=state.source))
+    changed = _changed(state, work.document, past, work.future)
+    return _replace(changed, source=work.source, notice=Notice("Recovered the unsaved work."), question=None)
 
 
 def _edited(state: AppState, event: Edit) -> AppState:

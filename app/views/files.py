@@ -8,9 +8,9 @@ from typing import Any
 import viser
 
 from app import clean
+from app.filing import Filing
 from app.palette import BAD, MUTED
-from app.state import AppState, Edit, Event, Notice, Noticed, Opened, Redo, Saved, Selected, Undo
-from app.storage import Storage, StorageError
+from app.state import AppState, Edit, Event, Redo, Selected, Undo
 from app.store import Dispatch
 from app.widgets import div, escape, on_input
 from fuzzy import edits
@@ -25,8 +25,8 @@ _STEPPING = ("undo", "redo")
 class FilesView:
     """The rulebases folder and the document's name, notes and history."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch, storage: Storage) -> None:
-        self._storage = storage
+    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch, filing: Filing) -> None:
+        self._filing = filing
         self._state: AppState | None = None
         self._current = gui.add_html("")
         self._file: Any = gui.add_dropdown("open", ("",), hint="Opens at once; undo brings back what was open before.")
@@ -61,49 +61,21 @@ class FilesView:
         steps = f'<ul style="margin:0.3em 0;padding-left:1.3em">{"".join((*undone, *done))}</ul>'
         self._steps.content = div(head + steps, f"color:{MUTED}")
 
-    def save(self) -> Event:
-        """Write the document to the file that it came from."""
-        state = self._present()
-        source = state.source
-        if source.file is None or source.stamp is None:
-            return _failed("Not saved: choose a name in Files first")
-        try:
-            stamp = self._storage.save(source.file, state.document, source.stamp)
-            return Saved(state.document, source.file, stamp, self._storage.names())
-        except StorageError as error:
-            return _failed(f"Not saved: {error}")
+    async def _act(self, value: object) -> Event:
+        if clean.choice(value, _ACTIONS, "the action") == "save":
+            return await self._filing.save()
+        return await self._filing.open(self._present().file)
 
-    def _act(self, value: object) -> Event:
-        return self.save() if clean.choice(value, _ACTIONS, "the action") == "save" else self._reload()
+    async def _save_as(self) -> Event:
+        text = self._present().new_name.strip()
+        return await self._filing.save_as(clean.file_name(text if text.endswith(".yaml") else f"{text}.yaml"))
 
-    def _save_as(self) -> Event:
-        state = self._present()
-        text = state.new_name.strip()
-        name = clean.file_name(text if text.endswith(".yaml") else f"{text}.yaml")
-        try:
-            stamp = self._storage.save_as(name, state.document)
-            return Saved(state.document, name, stamp, self._storage.names())
-        except StorageError as error:
-            return _failed(f"Not saved: {error}")
-
-    def _open(self, value: object) -> Event:
-        name = clean.choice(value, self._present().files, "the file")
-        try:
-            opened = self._storage.open(name)
-            return Opened(opened.system, name, opened.stamp, self._storage.names())
-        except StorageError as error:
-            return _failed(f"Not opened: {error}")
-
-    def _reload(self) -> Event:
-        return self._open(self._present().file)
+    async def _open(self, value: object) -> Event:
+        return await self._filing.open(clean.choice(value, self._present().files, "the file"))
 
     def _present(self) -> AppState:
         assert self._state is not None, "rendered before any callback"
         return self._state
-
-
-def _failed(text: str) -> Noticed:
-    return Noticed(Notice(f"{text}.", is_error=True))
 
 
 def _noted(value: object) -> Edit:

@@ -16,6 +16,8 @@ from app.state import (
     GESTURE_SECONDS,
     HISTORY_LENGTH,
     AppState,
+    Asked,
+    Conflict,
     Design,
     DesignChanged,
     Edit,
@@ -26,6 +28,7 @@ from app.state import (
     Opened,
     PlaybackChanged,
     Progressed,
+    Recovered,
     Redo,
     ResetRequested,
     Result,
@@ -35,6 +38,7 @@ from app.state import (
     Setup,
     SetupChanged,
     Undo,
+    Work,
     initial,
     update,
 )
@@ -531,7 +535,7 @@ def test_every_event_is_handled():
             ResetRequested,
             RunFinished,
         ),
-        *(Progressed, Noticed),
+        *(Progressed, Noticed, Recovered, Asked),
     }
     with pytest.raises(AssertionError):
         update(initial(DIAGONAL), cast("Event", object()))
@@ -584,3 +588,47 @@ def test_undoing_an_opening_gives_back_the_file_too_so_that_saving_overwrites_no
     assert (again.document, again.source) == (PILTAN, other.source)
     assert update(again, Undo()).source == edited.source
     assert update(update(other, paint(0, 0, "Z")), Undo()).source == other.source
+
+
+def test_recovered_work_comes_with_its_history_and_its_file():
+    left = update(update(initial(DIAGONAL, file="diagonal.yaml", stamp=STAMP), paint(0, 0, "Z")), paint(0, 1, "Z"))
+    left = update(left, Undo())
+    fresh = initial(DIAGONAL, file="diagonal.yaml", stamp=Stamp(9, 9, "9"))
+    recovered = update(update(fresh, Asked(Conflict("x", STAMP))), Recovered(left.work))
+    assert recovered.work == left.work
+    assert recovered.question is None
+    assert update(recovered, Redo()).work.document == update(left, Redo()).work.document
+    assert update(recovered, Undo()).document == DIAGONAL
+
+
+def test_recovering_loses_nothing_of_what_was_edited_meanwhile():
+    left = update(initial(DIAGONAL, file="diagonal.yaml", stamp=STAMP), paint(0, 0, "Z"))
+    other = update(initial(PILTAN, file="piltan.yaml"), paint(1, 1, "Z"))
+    state = update(other, Recovered(left.work))
+    assert (state.document, state.source) == (left.document, left.source)
+    seen = [(state.document, state.file)]
+    while state.past:
+        state = update(state, Undo())
+        seen.append((state.document, state.file))
+    assert (other.document, "piltan.yaml") in seen
+    assert (PILTAN, "piltan.yaml") in seen
+    assert seen[-1] == (DIAGONAL, "diagonal.yaml")
+
+
+def test_work_is_unsaved_also_where_it_was_left_by_opening_another_file():
+    state = initial(DIAGONAL, file="diagonal.yaml", stamp=STAMP)
+    assert not state.work.is_unsaved
+    opened = update(state, Opened(PILTAN, "piltan.yaml", STAMP, ()))
+    assert not opened.work.is_unsaved
+    left = update(update(state, paint(0, 0, "Z")), Opened(PILTAN, "piltan.yaml", STAMP, ()))
+    assert left.work.is_unsaved
+    assert Work(left.document, left.source).is_unsaved is False
+
+
+def test_a_file_that_was_saved_while_another_was_opened_is_not_taken_for_that_one():
+    state = update(initial(DIAGONAL, file="diagonal.yaml", stamp=STAMP), paint(0, 0, "Z"))
+    opened = update(state, Opened(PILTAN, "piltan.yaml", STAMP, ()))
+    saved = update(opened, Saved(state.document, "diagonal.yaml", Stamp(3, 4, "5"), (), origin=state.source))
+    assert (saved.document, saved.file) == (PILTAN, "piltan.yaml")
+    back = update(saved, Undo())
+    assert (back.file, back.source.stamp, back.is_unsaved) == ("diagonal.yaml", Stamp(3, 4, "5"), False)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import msgspec
@@ -13,7 +16,8 @@ import fuzzy.formats
 from app.storage import ChangedOnDiskError, Storage, StorageError
 from fuzzy.system import FuzzySystem
 
-SHIPPED = Path(__file__).parents[2] / "rulebases" / "diagonal.yaml"
+ROOT = Path(__file__).parents[2]
+SHIPPED = ROOT / "rulebases" / "diagonal.yaml"
 
 
 @pytest.fixture
@@ -47,8 +51,9 @@ def test_what_was_saved_is_what_is_opened(folder: Path) -> None:
     changed = renamed(opened.system, "changed")
     stamp = storage.save("a.yaml", changed, opened.stamp)
     assert storage.open("a.yaml") == ("a.yaml", changed, stamp)
-    assert not storage.is_changed("a.yaml", stamp)
-    assert [entry.name for entry in folder.iterdir()] == ["a.yaml"]
+    assert storage.changed("a.yaml", stamp) is None
+    assert sorted(entry.name for entry in folder.iterdir()) == ["a.yaml", "a.yaml.bak"]
+    assert (folder / "a.yaml.bak").read_bytes() == SHIPPED.read_bytes()
 
 
 def test_a_file_that_changed_on_disk_is_not_overwritten(folder: Path) -> None:
@@ -56,7 +61,7 @@ def test_a_file_that_changed_on_disk_is_not_overwritten(folder: Path) -> None:
     opened = storage.open("a.yaml")
     theirs = renamed(opened.system, "theirs")
     fuzzy.formats.save(theirs, folder / "a.yaml")
-    assert storage.is_changed("a.yaml", opened.stamp)
+    assert storage.changed("a.yaml", opened.stamp) is not None
     with pytest.raises(ChangedOnDiskError, match=r"^a\.yaml was changed on disk since it was opened$"):
         storage.save("a.yaml", renamed(opened.system, "ours"), opened.stamp)
     assert fuzzy.formats.load(folder / "a.yaml") == theirs
@@ -70,14 +75,14 @@ def test_a_change_of_the_same_size_is_noticed(folder: Path) -> None:
     content = (folder / "a.yaml").read_bytes()
     (folder / "a.yaml").write_bytes(content.replace(b"diagonal", b"diagonax", 1))
     os.utime(folder / "a.yaml", ns=(0, opened.stamp.modified_ns + 1))
-    assert storage.is_changed("a.yaml", opened.stamp)
+    assert storage.changed("a.yaml", opened.stamp) is not None
 
 
 def test_a_file_that_was_only_touched_is_not_changed(folder: Path) -> None:
     storage = Storage(folder)
     opened = storage.open("a.yaml")
     os.utime(folder / "a.yaml", ns=(1, 1))
-    assert not storage.is_changed("a.yaml", opened.stamp)
+    assert storage.changed("a.yaml", opened.stamp) is None
     storage.save("a.yaml", opened.system, opened.stamp)
 
 
@@ -85,7 +90,7 @@ def test_a_file_that_was_deleted_is_written_again(folder: Path) -> None:
     storage = Storage(folder)
     opened = storage.open("a.yaml")
     (folder / "a.yaml").unlink()
-    assert storage.is_changed("a.yaml", opened.stamp)
+    assert storage.changed("a.yaml", opened.stamp) is None
     storage.save("a.yaml", opened.system, opened.stamp)
     assert storage.names() == ("a.yaml",)
 
@@ -153,6 +158,75 @@ def test_a_folder_that_is_gone_is_an_error_and_no_loss(folder: Path) -> None:
     shutil.rmtree(folder)
     with pytest.raises(StorageError, match="cannot be read: No such file or directory"):
         storage.names()
-    with pytest.raises(StorageError, match="cannot be written: No such file or directory"):
+    with pytest.raises(StorageError, match=r"cannot be written: No such file or directory; the folder .* is gone$"):
         storage.save("a.yaml", opened.system, opened.stamp)
-    assert storage.is_changed("a.yaml", opened.stamp)
+    assert storage.changed("a.yaml", opened.stamp) is None
+    folder.mkdir()
+    storage.save("a.yaml", opened.system, opened.stamp)
+    assert storage.open("a.yaml").system == opened.system
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EROFS, errno.EACCES, errno.EIO])
+@pytest.mark.parametrize("call", ["fsync", "replace", "link"])
+def test_whatever_fails_while_saving_leaves_the_file_as_it_was(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, call: str, number: int
+) -> None:
+    storage = Storage(folder)
+    opened = storage.open("a.yaml")
+    storage.save("a.yaml", opened.system, opened.stamp)
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    stamp = storage.open("a.yaml").stamp
+
+    def fail(*_: object, **__: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(os, call, fail)
+    if call == "link":  # a file system without links: the old file is copied
+        storage.save("a.yaml", renamed(opened.system, "new"), stamp)
+        assert (folder / "a.yaml.bak").read_bytes() == before["a.yaml"]
+        assert storage.open("a.yaml").system.name == "new"
+        return
+    with pytest.raises(StorageError, match=f"^a.yaml: .*cannot be written: {os.strerror(number)}$"):
+        storage.save("a.yaml", renamed(opened.system, "new"), stamp)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs POSIX")
+def test_a_full_disk_leaves_the_file_as_it_was(folder: Path) -> None:
+    """The kernel itself refuses to write more than 100 bytes to any file."""
+    script = """
+import resource, sys
+from pathlib import Path
+from app.storage import Storage, StorageError
+storage = Storage(Path(sys.argv[1]))
+opened = storage.open("a.yaml")
+resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+try:
+    storage.save("a.yaml", opened.system, opened.stamp)
+except StorageError as error:
+    print(error)
+"""
+    before = (folder / "a.yaml").read_bytes()
+    done = subprocess.run([sys.executable, "-c", script, folder], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout == "a.yaml: the file cannot be written: File too large\n"
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == {"a.yaml": before}
+
+
+def test_what_a_crash_left_unfinished_is_deleted_when_it_is_old(folder: Path) -> None:
+    for name in (".0123456789abcdef.yaml", ".0123456789abcdef.part", ".0123456789abcdef", ".mine.yaml"):
+        (folder / name).write_text("half")
+        os.utime(folder / name, (1, 1))
+    (folder / ".fedcba9876543210.yaml").write_text("being written by another workbench")
+    Storage(folder)
+    assert sorted(path.name for path in folder.iterdir()) == [".fedcba9876543210.yaml", ".mine.yaml", "a.yaml"]
+
+
+def test_permissions_stay_and_a_link_inside_the_folder_stays_a_link(folder: Path) -> None:
+    storage = Storage(folder)
+    (folder / "in.yaml").symlink_to("a.yaml")
+    (folder / "a.yaml").chmod(0o640)
+    opened = storage.open("in.yaml")
+    storage.save("in.yaml", renamed(opened.system, "new"), opened.stamp)
+    assert (folder / "in.yaml").is_symlink()
+    assert storage.open("a.yaml").system.name == "new"
+    assert (folder / "a.yaml").stat().st_mode & 0o777 == 0o640

@@ -19,6 +19,7 @@ from viser import _messages
 
 import fuzzy
 from app import experiment, guard
+from app.filing import Filing
 from app.runner import Frame
 from app.state import (
     AppState,
@@ -84,10 +85,10 @@ class Screen:
         self.on_loop(lambda: self._build(Storage(folder)))
 
     def _build(self, storage: Storage) -> None:
-        gui, dispatch = self.server.gui, self.store.dispatch
+        gui, dispatch, filing = self.server.gui, self.store.dispatch, Filing(storage, lambda: self.store.state)
         self.views: list[Any] = [
             *(RulesView(gui, dispatch), MembershipView(gui, dispatch), PlaybackView(gui, dispatch), ExplainView(gui)),
-            *(InferenceView(gui, dispatch), FilesView(gui, dispatch, storage), PlotsView(gui, dispatch)),
+            *(InferenceView(gui, dispatch), FilesView(gui, dispatch, filing), PlotsView(gui, dispatch)),
             MetricsView(gui),
         ]
         self.arm = ArmView(self.server)
