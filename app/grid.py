@@ -13,11 +13,25 @@ from typing import Any
 
 import viser
 
-from app.palette import GRID, MUTED, css, ink, term_color
+from app.palette import GRID, MARK, MUTED, SURFACE, TEXT, css, ink, term_color
 from app.widgets import FONT, element_id, escape
 
 GAP = 4
 """Pixels between cells."""
+
+BASE_STYLE = (
+    f"<style>.fw{{display:flex;align-items:center;justify-content:center;height:32px;border-radius:5px;"
+    f"font:600 12px {FONT};cursor:pointer;overflow:hidden;user-select:none;box-sizing:border-box}}"
+    f".fw:hover{{filter:brightness(1.12)}}"
+    f".fw-h{{display:flex;align-items:center;justify-content:center;font:500 12px {FONT};color:{MUTED};"
+    f"overflow:hidden;white-space:nowrap}}"
+    f".fw-r{{display:block;padding:2px 6px;border-radius:4px;background:{SURFACE};color:{TEXT};cursor:pointer;"
+    f"font:12px/1.4 {FONT};overflow-wrap:anywhere}}.fw-r:hover{{filter:brightness(1.2)}}</style>"
+)
+"""How cells, headings and rows look."""
+
+PAGE = 8
+"""Rows of a list that are shown at once."""
 
 
 class HiddenButtons:
@@ -106,30 +120,50 @@ def table_html(
     return _grid(body, f"minmax(2.6em,0.8fr) repeat({width},minmax(0,1fr))")
 
 
-def style_html(ids: Sequence[str], width: int) -> str:
-    """Return the rules that all cells share, and where the keyboard's focus shows."""
-    focus = "".join(
+def focus_html(ids: Sequence[str], width: int) -> str:
+    """Return the rules by which the keyboard's focus shows on the cells of the buttons ``ids``."""
+    focus = (
         f'body:has([id="{name}"]:focus-visible) #cell{number // width}-{number % width}'
         "{outline:2px solid #fff;outline-offset:1px}"
         for number, name in enumerate(ids)
     )
-    return (
-        f"<style>.fw{{display:flex;align-items:center;justify-content:center;height:32px;border-radius:5px;"
-        f"font:600 12px {FONT};cursor:pointer;overflow:hidden;user-select:none;box-sizing:border-box}}"
-        f".fw:hover{{filter:brightness(1.12)}}"
-        f".fw-h{{display:flex;align-items:center;justify-content:center;font:500 12px {FONT};color:{MUTED};"
-        f"overflow:hidden;white-space:nowrap}}{focus}</style>"
+    return f"<style>{''.join(focus)}</style>"
+
+
+def row_html(target: str, name: str, content: str, *, is_chosen: bool) -> str:
+    """Return a row of a list that presses the button ``target``; ``content`` is HTML."""
+    style = f"outline:1.5px solid {TEXT};" if is_chosen else ""
+    return f'<label for="{target}" id="{name}" class="fw-r" style="{style}">{content}</label>'
+
+
+def rows_html(rows: Sequence[str]) -> str:
+    """Return rows below each other."""
+    return f'<div style="padding:0 0.75em 0.35em;display:grid;gap:2px">{"".join(rows)}</div>' if rows else ""
+
+
+def row_glow_html(strengths: Sequence[float], first: int) -> str:
+    """Return the style sheet that fills the rows of the rules from number ``first`` on by their firing strengths."""
+    lines = (
+        f"#rule{first + n}{{background:linear-gradient(90deg,rgba(79,143,247,.38) {100 * strength:.0f}%,{SURFACE} 0)}}"
+        for n, strength in enumerate(strengths)
+        if strength > 0.0
     )
+    return f"<style>{''.join(lines)}</style>"
 
 
-def glow_html(strengths: Sequence[Sequence[float]], silent: Sequence[Sequence[bool]]) -> str:
+def glow_html(
+    strengths: Sequence[Sequence[float]],
+    silent: Sequence[Sequence[bool]],
+    marked: Sequence[tuple[int, int]] = (),
+) -> str:
     """Return the style sheet that lets the cells glow.
 
     Args:
         strengths: Firing strength of each cell now, in [0, 1].
         silent: Whether a cell with a rule never fired in the whole run: these are hatched.
+        marked: Row and column of cells that are framed.
     """
-    lines = []
+    lines = [f"#cell{i}-{j}{{outline:2.5px solid {MARK};outline-offset:1px}}" for i, j in marked]
     for i, row in enumerate(strengths):
         for j, strength in enumerate(row):
             if strength > 0.0:

@@ -28,6 +28,7 @@ TEXT = "#d9dce4"
 GOOD = "#6fcf97"
 BAD = "#f2b06c"
 ERROR = "#ff8f85"
+MARK = "#ffd75e"
 GRID = "#33363d"
 SURFACE = "#2b2d33"
 

@@ -48,3 +48,8 @@ def fitting(design: Design, document: FuzzySystem) -> Design:
 def after_edit(design: Design) -> Design:
     """Return the selections after the document has changed: what was marked or written is done with."""
     return msgspec.structs.replace(design, marked=(), rule_text=None, term_name=None)
+
+
+def names_of(document: FuzzySystem) -> tuple[str, ...]:
+    """Return the names of the inputs and outputs."""
+    return tuple(variable.name for variable in (*document.inputs, *document.outputs))

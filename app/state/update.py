@@ -6,7 +6,7 @@ from typing import assert_never
 
 import msgspec
 
-from app.state.design import after_edit, fitting
+from app.state.design import after_edit, fitting, names_of
 from app.state.events import (
     Asked,
     DesignChanged,
@@ -184,8 +184,11 @@ def _opposite(state: AppState, step: Step) -> Step:
 def _changed(state: AppState, document: FuzzySystem, past: tuple[Step, ...], future: tuple[Step, ...]) -> AppState:
     """Return the state with another document; the run so far becomes the one to compare with."""
     runs = _replace(state.runs, before=state.runs.current)
+    design = after_edit(state.design)
+    if names_of(document) != names_of(state.document):  # another system: its own grid says more than one that fits
+        design = _replace(design, grid=None)
     kept = past[-HISTORY_LENGTH:]
-    changed = _replace(state, document=document, past=kept, future=future, runs=runs, design=after_edit(state.design))
+    changed = _replace(state, document=document, past=kept, future=future, runs=runs, design=design)
     return _with_valid_selection(changed)
 
 

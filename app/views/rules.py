@@ -1,4 +1,4 @@
-"""Design › Rules: the table of consequents, painted with a brush, glowing with what fires."""
+"""Design › Rules: the table of consequents, painted with a brush, glowing with what fires; findings; the list."""
 
 from __future__ import annotations
 
@@ -8,13 +8,17 @@ import numpy as np
 import viser
 
 from app import clean, grid
-from app.palette import BAD, ERROR, MUTED
+from app.palette import MUTED
 from app.runner import Frame
-from app.state import AppState, Edit, Selected
+from app.state import AppState, DesignChanged, Edit, Selected
 from app.store import Dispatch
-from app.widgets import div, escape, on_input
+from app.views.axes import AxesView
+from app.views.findings import FindingsView
+from app.views.rule_list import RuleListView
+from app.widgets import div, on_input
 from fuzzy import edits, rules
-from fuzzy.system import FuzzySystem, RuleTable, Variable
+from fuzzy.edits import Grid
+from fuzzy.system import FuzzySystem, Variable
 
 _FILLS = {
     "diagonal": edits.fill_diagonal,
@@ -22,12 +26,16 @@ _FILLS = {
     "mirror": edits.mirror_antisymmetrically,
     "clear": edits.clear_table,
 }
-_FINDINGS = 6
-"""Findings that are shown; the rest are counted."""
+_FROM_GAINS = "PD"
+_GAINS = "Kp · Kd"
+_MOST_GAIN = 1e9
+_GAIN_STEP = 0.001
+_MOST_CELLS = 400
+"""Cells that a page can hold as buttons; a greater table is shown as text only."""
 
 
 class RulesView:
-    """The rule table of the document, its brushes and what the check finds."""
+    """The rules of the document as a table, its brushes, what the check finds, and the rules of the list."""
 
     def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
         self._gui = gui
@@ -37,47 +45,75 @@ class RulesView:
         self._numbers = np.empty((0, 0), dtype=np.int64)
         self._brush_buttons: grid.HiddenButtons | None = None
         self._cell_buttons: grid.HiddenButtons | None = None
+        gui.add_html(grid.BASE_STYLE)
+        self._axes = AxesView(gui, dispatch)
         self._style = gui.add_html("")
         self._brush = gui.add_html("")
         self._table = gui.add_html("")
         self._glow = gui.add_html("")
-        fill = gui.add_button_group("Fill", tuple(_FILLS))
-        on_input(fill, dispatch, _filled)
-        self._findings = gui.add_html("")
+        self._fill = gui.add_button_group("fill", (*_FILLS, _FROM_GAINS))
+        on_input(self._fill, dispatch, self._filled)
+        self._gains = gui.add_vector2(
+            _GAINS,
+            (0.0, 0.0),
+            step=_GAIN_STEP,
+            hint="The PD law from which the table can be filled: output per unit of the rows' and the columns' input",
+        )
+        on_input(self._gains, dispatch, _gained)
+        self._count = gui.add_html("")
+        self._findings = FindingsView(gui, dispatch)
+        self._list = RuleListView(gui, dispatch)
         self._hidden = gui.add_folder(None)
 
     def render(self, state: AppState) -> None:
-        """Show the document's table; rebuild the buttons only when it has other terms."""
+        """Show the document's rules; rebuild the buttons only for other terms."""
         before, self._state = self._state, state
-        table = state.document.rules.table
-        if table is None:
-            self._table.content = div("This system has no rule table; its rules are a list in the file.")
+        self._axes.render(state)
+        self._findings.render(state)
+        self._list.render(state)
+        shown = _shown(state)
+        is_same = (
+            before is not None
+            and before.document is state.document
+            and before.runs.current is state.runs.current
+            and before.design.grid == state.design.grid
+        )
+        if not is_same:
+            self._count.content = _count_html(state)
+        for part in (self._fill, self._gains):
+            part.visible = shown is not None
+        if shown is None:
+            text = "one input: the rules are a list" if state.design.grid is None else "too many terms for a table here"
+            self._table.content = div(f'<span style="color:{MUTED}">{text}</span>')
             self._brush.content = self._glow.content = ""
-            self._findings.content = _findings_html(state)
+            self._numbers = np.empty((0, 0), dtype=np.int64)
             return
-        rows, columns, output = _variables(state.document, table)
+        rows, columns, output = _variables(state.document, shown)
         self._ensure_buttons(rows, columns, output)
         assert self._brush_buttons is not None
         assert self._cell_buttons is not None
         names = [term.name for term in output.terms]
         chosen = names.index(state.brush) if state.brush is not None else len(names)
         self._brush.content = grid.brush_html(names, self._brush_buttons.ids, chosen)
-        if before is not None and before.document is state.document and before.runs.current is state.runs.current:
+        self._gains.value = state.design.gains or edits.full_gains(state.document, shown)
+        if is_same and self._numbers.size:
             return
-        self._numbers = np.array(rules.table_rule_indices(state.document))
+        self._numbers = np.array(edits.grid_rule_numbers(state.document, shown))
         self._table.content = grid.table_html(
             (rows.name, [term.name for term in rows.terms]),
             (columns.name, [term.name for term in columns.terms]),
-            table.cells,
+            edits.grid_cells(state.document, shown),
             names,
             self._cell_buttons.ids,
         )
-        self._findings.content = _findings_html(state)
 
     def show(self, frame: Frame) -> None:
-        """Let the cells glow with the firing strengths of the chosen coordinate."""
+        """Let cells and rules glow with the firing strengths of the chosen coordinate."""
         state = self._state
-        if state is None or state.document.rules.table is None:
+        if state is None:
+            return
+        self._list.show(frame)
+        if not self._numbers.size:
             return
         numbers = self._numbers
         activity = _activity(state)
@@ -87,7 +123,8 @@ class RulesView:
         strengths = np.zeros(numbers.shape)
         if frame.strength is not None and frame.strength.size > max(numbers.max(initial=-1), 0):
             strengths = np.where(numbers >= 0, frame.strength[numbers], 0.0)
-        self._glow.content = grid.glow_html(strengths.round(2).tolist(), silent.tolist())
+        marked = [(i, j) for i, j in state.design.marked if i < len(numbers) and j < len(numbers[0])]
+        self._glow.content = grid.glow_html(strengths.round(2).tolist(), silent.tolist(), marked)
 
     def _ensure_buttons(self, rows: Variable, columns: Variable, output: Variable) -> None:
         """Make a hidden button for every cell and brush, named after the terms."""
@@ -103,41 +140,64 @@ class RulesView:
             self._brush_buttons = grid.HiddenButtons(self._gui, brushes, self._choose)
             cells = [f"{row.name}, {column.name}" for row in rows.terms for column in columns.terms]
             self._cell_buttons = grid.HiddenButtons(self._gui, cells, self._paint)
-        self._style.content = grid.style_html(self._cell_buttons.ids, len(columns.terms))
+        self._style.content = grid.focus_html(self._cell_buttons.ids, len(columns.terms))
 
     def _choose(self, number: int) -> None:
-        names = self._output_terms()
+        state = self._present()
+        shown = _shown(state)
+        names = [] if shown is None else [term.name for term in _variables(state.document, shown)[2].terms]
         self._dispatch(Selected({"brush": names[number] if number < len(names) else None}))
 
     def _paint(self, number: int) -> None:
-        assert self._state is not None
-        table = self._state.document.rules.table
-        if table is None:
+        state = self._present()
+        shown = _shown(state)
+        if shown is None:
             return
-        rows, columns, _ = _variables(self._state.document, table)
+        rows, columns, _ = _variables(state.document, shown)
         i, j = divmod(number, len(columns.terms))
         if i >= len(rows.terms):
             return  # pressed while the table was being replaced by a smaller one
-        row, column, brush = rows.terms[i].name, columns.terms[j].name, self._state.brush
+        row, column, brush = rows.terms[i].name, columns.terms[j].name, state.brush
         label = f"({row}, {column}) → {brush or 'no rule'}"
-        self._dispatch(Edit(label, partial(edits.set_cell, row=row, column=column, consequent=brush)))
+        change = partial(edits.set_cell, row=row, column=column, consequent=brush, grid=shown)
+        self._dispatch(Edit(label, change))
 
-    def _output_terms(self) -> list[str]:
-        assert self._state is not None
-        table = self._state.document.rules.table
-        if table is None:
-            return []
-        return [term.name for term in _variables(self._state.document, table)[2].terms]
+    def _filled(self, value: object) -> Edit | None:
+        state = self._present()
+        name = clean.choice(value, (*_FILLS, _FROM_GAINS), "the pattern")
+        shown = _shown(state)
+        if shown is None:
+            return None
+        if name in _FILLS:
+            return Edit(f"fill the table: {name}", partial(_FILLS[name], grid=shown))
+        kp, kd = state.design.gains or edits.full_gains(state.document, shown)
+        change = partial(edits.fill_linear, proportional=kp, derivative=kd, grid=shown)
+        return Edit(f"fill the table: Kp = {kp:g}, Kd = {kd:g}", change)
+
+    def _present(self) -> AppState:
+        assert self._state is not None, "rendered before any callback"
+        return self._state
 
 
-def _filled(value: object) -> Edit:
-    name = clean.choice(value, _FILLS, "the pattern")
-    return Edit(f"fill the table: {name}", _FILLS[name])
+def _gained(value: object) -> DesignChanged:
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise clean.Refused("the gains are no pair; valid are two numbers")
+    kp, kd = (clean.number(one, -_MOST_GAIN, _MOST_GAIN, name) for one, name in zip(value, ("Kp", "Kd"), strict=True))
+    return DesignChanged({"gains": (kp, kd)})
 
 
-def _variables(system: FuzzySystem, table: RuleTable) -> tuple[Variable, Variable, Variable]:
+def _shown(state: AppState) -> Grid | None:
+    """Return the grid that is shown as a table; None where there is none, or one that is too large."""
+    shown = state.design.grid
+    if shown is None:
+        return None
+    rows, columns, _ = _variables(state.document, shown)
+    return shown if len(rows.terms) * len(columns.terms) <= _MOST_CELLS else None
+
+
+def _variables(system: FuzzySystem, shown: Grid) -> tuple[Variable, Variable, Variable]:
     by_name: dict[str, Variable] = {variable.name: variable for variable in (*system.inputs, *system.outputs)}
-    return by_name[table.rows], by_name[table.columns], by_name[table.output]
+    return by_name[shown.rows], by_name[shown.columns], by_name[shown.output]
 
 
 def _activity(state: AppState) -> np.ndarray | None:
@@ -146,23 +206,15 @@ def _activity(state: AppState) -> np.ndarray | None:
     return None if result is None or result.run.activity.size == 0 else result.run.activity.max(axis=0)
 
 
-def _findings_html(state: AppState) -> str:
+def _count_html(state: AppState) -> str:
     system = state.document
     count = len(rules.all_rules(system))
     lines = [f"{count} rules"]
     listed = len(system.rules.list)
-    if listed:
-        lines.append(f"{listed} of them in a list")
+    if listed and listed < count:
+        lines.append(f"{listed} of them in the list")
     activity = _activity(state)
     if activity is not None and len(activity) == count:
         never = int((activity <= 0.0).sum())
         lines.append(f"{never} never fired in this run" if never else "all fired in this run")
-    parts = [f'<span style="color:{MUTED}">{" · ".join(lines)}</span>']
-    parts += [f"<code>{escape(rules.format_rule(rule))}</code>" for rule in system.rules.list[:_FINDINGS]]
-    findings = state.findings
-    colors = {"error": ERROR, "warning": BAD, "hint": MUTED}
-    for finding in findings[:_FINDINGS]:
-        parts.append(f'<span style="color:{colors[finding.level]}">▲ {escape(finding.message)}</span>')
-    if len(findings) > _FINDINGS:
-        parts.append(f'<span style="color:{MUTED}">and {len(findings) - _FINDINGS} more findings</span>')
-    return div("<br>".join(parts))
+    return div(f'<span style="color:{MUTED}">{" · ".join(lines)}</span>')

@@ -66,6 +66,13 @@ def fill_linear(system: FuzzySystem, proportional: float, derivative: float, gri
     return set_grid_cells(system, where, cells)
 
 
+def full_gains(system: FuzzySystem, grid: Grid | None = None) -> tuple[float, float]:
+    """Return Kp and Kd at which half the width of either input's range gives half that of the output's."""
+    _, rows, columns, output = _filled(system, grid)
+    width = output.high - output.low
+    return width / (rows.high - rows.low), width / (columns.high - columns.low)
+
+
 def mirror_antisymmetrically(system: FuzzySystem, grid: Grid | None = None) -> FuzzySystem:
     """Replace the second half of the cells by the mirror of the first, as :func:`fuzzy.patterns.mirrored` says."""
     where, _, _, output = _filled(system, grid)

@@ -303,7 +303,7 @@ def test_what_is_not_offered_is_refused(screen: Screen, run: Run, label: str, va
 
 @pytest.mark.parametrize(
     ("label", "valid"),
-    [("Fill", "clear"), ("file", "save"), ("history", "undo"), ("variable", "T"), ("term", "NB")],
+    [("fill", "clear"), ("file", "save"), ("history", "undo"), ("variable", "T"), ("term", "NB")],
 )
 def test_a_button_group_takes_its_own_buttons_only(screen: Screen, label: str, valid: str) -> None:
     handle = screen.find(label)

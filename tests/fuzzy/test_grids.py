@@ -205,7 +205,9 @@ def test_a_linear_law_gives_the_nearest_terms_antisymmetrically(kp, kd):
 
 
 def test_the_gains_of_the_diagonal_give_the_diagonal():
-    assert edits.fill_linear(edits.clear_table(DIAGONAL), 85.0, 85 / 6) == DIAGONAL
+    gains = edits.full_gains(DIAGONAL)
+    assert gains == pytest.approx((85.0, 85 / 6))
+    assert edits.fill_linear(edits.clear_table(DIAGONAL), *gains) == DIAGONAL
     assert edits.rule_table(edits.fill_linear(PILTAN, 0, 0)).cells == (("Z",) * 7,) * 7
 
 
