@@ -12,17 +12,21 @@ from viser import uplot
 
 from app.palette import GRID, MUTED
 
+_X_AXIS = 30
+"""Pixels for the numbers under a chart; uPlot's own 50 leave a gap."""
+
 Array = NDArray[np.float64]
 
 
 class Line(NamedTuple):
-    """How a curve looks: its name in the legend, colour, width in pixels, dash pattern and fill."""
+    """How a curve looks: its name in the legend, colour, width in pixels, dashes, fill, and whether it is seen."""
 
     label: str
     color: str
     width: float = 2.0
     dash: tuple[int, int] | None = None
     fill: str | None = None
+    is_shown: bool = True
 
 
 def add_chart(
@@ -51,6 +55,7 @@ def add_chart(
         scales["y"] = uplot.Scale(range=y_range, auto=False)
     x_axis = uplot.Axis(stroke=MUTED, grid=uplot.Axis_Grid(stroke=GRID, width=1), ticks=uplot.Axis_Ticks(stroke=GRID))
     y_axis: uplot.Axis = {**x_axis, "space": 28}
+    x_axis["size"] = _X_AXIS
     return gui.add_uplot(
         data=data or tuple(np.array([0.0, 1.0]) for _ in range(len(lines) + 1)),
         series=series(lines, x_label),
@@ -69,6 +74,8 @@ def series(lines: Sequence[Line], x_label: str = "t") -> tuple[uplot.Series, ...
         one = uplot.Series(
             label=line.label, stroke=line.color, width=line.width, points=uplot.Series_Points(show=False)
         )
+        if not line.is_shown:
+            one["show"] = False
         if line.dash is not None:
             one["dash"] = line.dash
         if line.fill is not None:

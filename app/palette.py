@@ -22,6 +22,11 @@ _SCALE = np.array(
 RUN = "#4f8ff7"
 BEFORE = "#9fc0f9"
 PID = "#f0964a"
+KEPT: tuple[RGB, ...] = ((123, 216, 143), (199, 146, 234), (230, 207, 107), (244, 143, 177))
+"""Of kept runs, by the number of their slot."""
+COORDINATES: tuple[RGB, ...] = ((79, 143, 247), (57, 194, 201), (142, 209, 92), (240, 150, 74), (236, 110, 140),
+                                (178, 130, 240), (220, 200, 90), (150, 170, 190))  # fmt: skip
+"""Of coordinates or forces that share a picture, repeated when there are more."""
 REFERENCE = "#a6abb8"
 MUTED = "#8b909e"
 TEXT = "#d9dce4"

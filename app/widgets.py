@@ -15,7 +15,8 @@ from app.state import Event, Notice, Noticed
 from app.store import Dispatch
 
 _TINY = 5e-4
-_MARK = "● "
+MARK = "● "
+"""Stands before the name of the button that is chosen."""
 
 Meaning = Event | tuple[Event, ...] | None
 """What a user's change of a widget means: events, or nothing."""
@@ -73,7 +74,7 @@ class ChoiceGroup:
     def show(self, names: Sequence[str], chosen: str) -> None:
         """Show these names, ``chosen`` marked."""
         self._names = tuple(names)
-        options = tuple(f"{_MARK}{name}" if name == chosen else name for name in names)
+        options = tuple(f"{MARK}{name}" if name == chosen else name for name in names)
         if tuple(self._handle.options) != options:
             self._handle.options = options
 
@@ -82,7 +83,7 @@ class ChoiceGroup:
         self._handle.visible = is_visible
 
     def _name(self, option: object) -> str:
-        text = option.removeprefix(_MARK) if isinstance(option, str) else option
+        text = option.removeprefix(MARK) if isinstance(option, str) else option
         return clean.choice(text, self._names)
 
 

@@ -15,7 +15,7 @@ from app.filing import Filing
 from app.guard import start_server
 from app.journal import Journal
 from app.runner import Frame, Runner
-from app.state import Asked, Event, Notice, Noticed, PlaybackChanged, Redo, ResetRequested, Undo, initial
+from app.state import Asked, Event, Notice, Noticed, PlaybackChanged, Redo, ResetRequested, RunKept, Undo, initial
 from app.storage import Storage
 from app.store import Store
 from app.views.arm import ArmView
@@ -23,11 +23,10 @@ from app.views.explain import ExplainView
 from app.views.files import FilesView
 from app.views.inference import InferenceView
 from app.views.membership import MembershipView
-from app.views.metrics import MetricsView
 from app.views.playback import PlaybackView
-from app.views.plots import PlotsView
 from app.views.question import QuestionView
 from app.views.rules import RulesView
+from app.views.run import RunPanels
 from app.warmup import warm_up
 
 FRAME_RATE = 30.0
@@ -103,25 +102,20 @@ class Workbench:
             explanation = ExplainView(gui)
         with design.add_tab("Files", viser.Icon.FOLDER):
             files = FilesView(gui, dispatch, self._filing)
-        playback = PlaybackView(gui, dispatch)
-        response = gui.add_panel()
-        with response.add_tab("Plots", viser.Icon.CHART_LINE):
-            plots = PlotsView(gui, dispatch)
-        with response.add_tab("Metrics", viser.Icon.LIST_NUMBERS):
-            metrics = MetricsView(gui)
+        run = RunPanels(gui, dispatch)
         design.dock_left()
         design.set_width(_PANEL_WIDTH)
         gui.main_panel.dock_right()
         gui.main_panel.set_width(_PANEL_WIDTH)
-        response.dock_below(gui.main_panel)
+        run.response.dock_below(gui.main_panel)
         question = QuestionView(gui, dispatch, self._filing, self._journal)
         arm = ArmView(self.server)
-        self._live_views = [arm, rules, membership, explanation, playback]
+        self._live_views = [arm, rules, membership, explanation, *run.live_views]
         self.store.add(self._journal, self._runner, rules, membership, inference, explanation, files, question)
-        self.store.add(playback, plots, metrics)
-        self._add_commands()
+        self.store.add(*run.views)
+        self._add_commands(run.playback)
 
-    def _add_commands(self) -> None:
+    def _add_commands(self, playback: PlaybackView) -> None:
         """Register the hotkeys."""
 
         def add(label: str, to_event: Any, hotkey: Any, modifier: Any = None) -> None:
@@ -140,6 +134,9 @@ class Workbench:
         add("Save", self._filing.save, "S", "cmd/ctrl")
         add("Play or pause", play_or_pause, "space")
         add("Reset", ResetRequested, "R")
+        add("Step back", lambda: playback.step(-1), "arrowleft")
+        add("Step", lambda: playback.step(1), "arrowright")
+        add("Keep the run as a baseline", RunKept, "K")
 
     async def _stream_frames(self) -> None:
         """Show the latest frame at ``FRAME_RATE`` while anybody looks; one that stands still is shown once."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot import dynamics
-from robot.arm import Arm
+from robot.arm import Arm, parameters
 from robot.controllers.base import STEP
 from robot.disturbance import BandLimitedNoise, Pulse, Push
 from robot.dynamics import Reading
@@ -133,15 +133,19 @@ class Payload(msgspec.Struct, frozen=True):
 class Mismatch(msgspec.Struct, frozen=True):
     """How the plant differs from the arm the controller knows: factors on groups of parameters, 0.1 to 10.
 
-    ``stiffness=1.3`` is a plant whose springs are 30 % stiffer than the controller believes.
+    ``stiffness=1.3`` is a plant whose springs are 30 % stiffer than the controller believes. ``friction`` is a Coulomb
+    friction of every actuator that the controller does not know, 0 to 100 N.
     """
 
     mass: float = 1.0
     stiffness: float = 1.0
     damping: float = 1.0
+    friction: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in self.__struct_fields__:
+        if not 0.0 <= _finite(self.friction, "mismatch.friction") <= 100.0:
+            raise InvalidScenarioError(f"found {self.friction:g}; valid: 0 to 100 N", "mismatch.friction")
+        for name in ("mass", "stiffness", "damping"):
             if not 0.1 <= _finite(getattr(self, name), f"mismatch.{name}") <= 10.0:
                 raise InvalidScenarioError(f"found {getattr(self, name):g}; valid: 0.1 to 10", f"mismatch.{name}")
 
@@ -242,6 +246,9 @@ class Scenario(msgspec.Struct, frozen=True, kw_only=True):
         """Return the arm that is simulated when the controller's model is ``arm``."""
         mismatch = self.mismatch
         plant = arm.scaled(mass=mismatch.mass, stiffness=mismatch.stiffness, damping=mismatch.damping)
+        if mismatch.friction > 0.0:
+            friction = [[value + mismatch.friction for value in row] for row in np.array(parameters(arm).friction)]
+            plant = msgspec.structs.replace(plant, friction=friction)
         if self.payload is None:
             return plant
         return msgspec.structs.replace(plant, payload=self.payload.mass, payload_offset=self.payload.offset)

@@ -115,6 +115,12 @@ class Run(NamedTuple):
         """
         return lyapunov.values(self.scenario.plant(self.arm), self.controller, self.reference, self.dreference, self)
 
+    def thinned(self, rows: int) -> Run:
+        """Return the run with every k-th row only, so many that at most ``rows`` + 1 remain: enough for a picture."""
+        every = max(1, -(-(len(self.t) - 1) // rows))
+        kept = {name: getattr(self, name)[::every] for name in ("t", *closed_loop.Log._fields)}
+        return self._replace(**kept)
+
     def metrics(self) -> Metrics:
         """Return the figures of merit; see :class:`robot.metrics.Metrics`."""
         amplitude = self.scenario.amplitude(self.arm.n_modules)
@@ -273,6 +279,27 @@ class Simulation:
             reach=read_only(np.repeat([REACH * max(parameters(self._plant).rest_length), REACH], self._size // 2)),
             load=self.load,
         )
+
+    def go_on(self, scenario: Scenario) -> None:
+        """Change the conditions between two steps: the arm's position and speed, its start and the past stay.
+
+        The reference counts from the old start, though another plant may rest elsewhere.
+
+        Raises:
+            RobotError: A scenario that does not fit the arm; the simulation then goes on as before.
+        """
+        plant = scenario.plant(self.arm)
+        reference = reference_arrays(plant, self.start, scenario)
+        before = self.scenario, self._plant, self._reference
+        self.scenario, self._plant, self._reference = scenario, plant, reference
+        try:
+            self._start_disturbance()
+            self.use(self.controller)
+        except RobotError:
+            self.scenario, self._plant, self._reference = before
+            self._start_disturbance()
+            self.use(self.controller)
+            raise
 
     @property
     def tick(self) -> int:

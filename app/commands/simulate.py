@@ -102,16 +102,16 @@ def simulate(
 def _scenario(name: str, disturbance: str | None, seed: int, mismatch: tuple[str, ...]) -> Scenario:
     import msgspec
 
-    from app.experiment import DISTURBANCES
+    from app.experiment import NOISES
     from fuzzy.errors import expected
     from robot.scenario import Scenario
 
     scenario = Scenario.preset(name)
     chosen = scenario.disturbance
     if disturbance is not None:
-        if disturbance not in DISTURBANCES:
-            raise failure(f"no disturbance is called {expected(disturbance, DISTURBANCES)}")
-        chosen = DISTURBANCES[disturbance]
+        if disturbance not in NOISES:
+            raise failure(f"no disturbance is called {expected(disturbance, NOISES)}")
+        chosen = NOISES[disturbance]
     if chosen is not None:
         chosen = msgspec.structs.replace(chosen, seed=seed)
     return msgspec.structs.replace(scenario, disturbance=chosen, mismatch=_mismatch(mismatch))

@@ -7,7 +7,8 @@ from typing import Any
 
 import msgspec
 
-from app.state.model import Notice, Question, Result, Setup, Source, Work
+from app.state.model import Notice, Question, Result, Source, Work
+from app.state.setup import Setup
 from app.storage import Stamp
 from fuzzy.check import Finding
 from fuzzy.system import FuzzySystem
@@ -98,6 +99,23 @@ class ResetRequested(msgspec.Struct, frozen=True):
     """Begin the live simulation or the replay anew."""
 
 
+class RunKept(msgspec.Struct, frozen=True):
+    """Keep the present run to compare with."""
+
+
+class KeptRenamed(msgspec.Struct, frozen=True):
+    """Give the kept run of a slot another name."""
+
+    slot: int
+    name: str
+
+
+class KeptRemoved(msgspec.Struct, frozen=True):
+    """Forget the kept run of a slot."""
+
+    slot: int
+
+
 class RunFinished(msgspec.Struct, frozen=True, eq=False):
     """A whole scenario was simulated for ``document`` and ``setup``."""
 
@@ -134,6 +152,9 @@ Event = (
     | SetupChanged
     | PlaybackChanged
     | ResetRequested
+    | RunKept
+    | KeptRenamed
+    | KeptRemoved
     | RunFinished
     | Progressed
     | Noticed

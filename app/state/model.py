@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from app.state.design import Design
+from app.state.setup import Setup
 from app.storage import Stamp
 from fuzzy.check import Finding
 from fuzzy.system import FuzzySystem
@@ -15,7 +18,18 @@ from robot.simulation import Run
 
 DragMode = Literal["partition", "free"]
 PlaybackSource = Literal["live", "replay"]
-SPEEDS = (0.1, 0.5, 1.0, 2.0, 5.0)
+SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0)
+
+MAX_KEPT = 4
+"""Runs that can be kept to compare with."""
+
+Chart = Literal["error", "output", "forces", "lyapunov"]
+CHARTS: tuple[Chart, ...] = get_args(Chart)
+"""Signals that are drawn below the response if wanted."""
+
+Layer = Literal["target", "baselines", "trail", "gravity", "board", "surface"]
+LAYERS: tuple[Layer, ...] = get_args(Layer)
+"""Parts of the scene that can be hidden."""
 
 
 class Source(msgspec.Struct, frozen=True):
@@ -72,21 +86,12 @@ class Recovery(msgspec.Struct, frozen=True):
 Question = Conflict | Recovery
 
 
-class Setup(msgspec.Struct, frozen=True):
-    """The experiment: which arm, under which control law, has to do what. Names are those of :mod:`robot`."""
-
-    arm: str = "soft"
-    controller: str = "fuzzy_flc"
-    scenario: str = "step"
-    disturbance: str = "none"
-    natural_frequency: float | None = None  # rad/s; None is what the scenario asks for
-
-
 class Playback(msgspec.Struct, frozen=True):
     """How time passes: the live simulation, or the finished run from ``time`` (s) on."""
 
     source: PlaybackSource = "live"
     is_playing: bool = True
+    loops: bool = True  # whether a scenario begins anew at its end
     speed: float = 1.0
     time: float = 0.0
     resets: int = 0  # counts the wishes to begin anew
@@ -100,18 +105,46 @@ class Notice(msgspec.Struct, frozen=True):
 
 
 class Result(NamedTuple):
-    """A whole simulated scenario and its figures of merit."""
+    """A whole simulated scenario, its figures of merit, and what is drawn of it.
+
+    Attributes:
+        run: All rows.
+        metrics: Its figures.
+        drawn: As many rows as a chart has pixels.
+        lyapunov: (n,) the law's Lyapunov function at these rows; None for a law for which none is known.
+    """
 
     run: Run
     metrics: Metrics
+    drawn: Run
+    lyapunov: NDArray[np.float64] | None = None
+
+
+class Kept(NamedTuple):
+    """A run that was kept to compare with.
+
+    Attributes:
+        name: What the user calls it.
+        slot: Number of its colour, from 0.
+        result: The run.
+        document: The system that it ran with.
+        setup: The experiment that it was.
+    """
+
+    name: str
+    slot: int
+    result: Result
+    document: FuzzySystem
+    setup: Setup
 
 
 class Runs(msgspec.Struct, frozen=True, eq=False):
-    """Whole simulated scenarios: with the present document, before the last edit, and under plain PID control."""
+    """Whole simulated scenarios: the present one, the one before the last edit, under plain PID control, and kept."""
 
     current: Result | None = None
     before: Result | None = None
     pid: Result | None = None
+    kept: tuple[Kept, ...] = ()
 
 
 class AppState(msgspec.Struct, frozen=True, eq=False):
@@ -129,6 +162,9 @@ class AppState(msgspec.Struct, frozen=True, eq=False):
     drag: DragMode = "partition"
     design: Design = Design()
     coordinate: int = 0
+    others: tuple[int, ...] = ()  # coordinates that are shown beside the chosen one
+    charts: frozenset[Chart] = frozenset({"output"})
+    hidden: frozenset[Layer] = frozenset()
     setup: Setup = Setup()
     playback: Playback = Playback()
     runs: Runs = Runs()
@@ -146,6 +182,11 @@ class AppState(msgspec.Struct, frozen=True, eq=False):
     def file(self) -> str | None:
         """Name of the file that the document is kept in."""
         return self.source.file
+
+    @property
+    def coordinates(self) -> tuple[int, ...]:
+        """The coordinates that are shown, in their order."""
+        return tuple(sorted({self.coordinate, *self.others}))
 
     @property
     def is_unsaved(self) -> bool:

@@ -6,6 +6,7 @@ from typing import assert_never
 
 import msgspec
 
+from app.state import kept
 from app.state.design import after_edit, fitting, names_of
 from app.state.events import (
     Asked,
@@ -13,6 +14,8 @@ from app.state.events import (
     Edit,
     Event,
     JumpedTo,
+    KeptRemoved,
+    KeptRenamed,
     Noticed,
     Opened,
     PlaybackChanged,
@@ -21,12 +24,14 @@ from app.state.events import (
     Redo,
     ResetRequested,
     RunFinished,
+    RunKept,
     Saved,
     Selected,
     SetupChanged,
     Undo,
 )
 from app.state.model import AppState, Notice, Source, Step, Work
+from app.state.setup import changed
 from app.storage import Stamp
 from fuzzy import edits
 from fuzzy.errors import FuzzyError
@@ -84,16 +89,20 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
         case DesignChanged():
             return _with_valid_selection(_replace(state, design=_replace(state.design, **event.changes)))
         case SetupChanged():
-            # Another disturbance asks for another bandwidth; one that was chosen by hand was chosen for the old one.
-            reset = {"natural_frequency": None} if "disturbance" in event.changes else {}
-            setup = _replace(state.setup, **(reset | event.changes))
-            # The runs before belong to another experiment: nothing to compare with.
-            return _replace(state, setup=setup, runs=_replace(state.runs, before=None))
+            setup = changed(state.setup, event.changes)
+            # The run before belongs to another experiment: nothing to compare with.
+            return _replace(state, setup=setup, runs=_replace(state.runs, before=None), notice=None)
         case PlaybackChanged():
             return _replace(state, playback=_replace(state.playback, **event.changes))
         case ResetRequested():
             playback = state.playback
             return _replace(state, playback=_replace(playback, time=0.0, resets=playback.resets + 1))
+        case RunKept():
+            return kept.keep(state)
+        case KeptRenamed():
+            return kept.rename(state, event.slot, event.name)
+        case KeptRemoved():
+            return kept.remove(state, event.slot)
         case RunFinished():
             if event.setup != state.setup:
                 return state

@@ -1,83 +1,57 @@
-"""Run: the experiment, and how its time passes."""
+"""Run, upper part: what happens now, and how time passes."""
 
 from __future__ import annotations
 
-from functools import partial
-from typing import Any
-
 import viser
 
-from app import clean, experiment
+from app import clean
 from app.palette import BAD, ERROR, GOOD, MUTED
 from app.runner import Frame
-from app.state import SPEEDS, AppState, PlaybackChanged, ResetRequested, SetupChanged
+from app.state import SPEEDS, AppState, Event, Playback, PlaybackChanged, ResetRequested
 from app.store import Dispatch
-from app.widgets import div, escape, on_input
-from robot import controllers
-from robot.arm import PRESETS
+from app.widgets import MARK, div, escape, on_input
 
 _SPEEDS = {f"{speed:g}×": speed for speed in SPEEDS}
 _SOURCES = {"live simulation": "live", "replay of the run": "replay"}
-_DISTURBANCES = {"none": "none", "force_noise": "force noise, 30 % of the holding force"}
-_CONTROLLERS = {
-    "pid": "independent PID",
-    "pid_gravity": "PID + gravity model",
-    "pd_flc": "feedback linearization",
-    "pid_flc": "linearization + integral",
-    "parallel": "linearization + PID",
-    "fuzzy_flc": "linearization + rules",
-    "fuzzy_pid": "PID + rules, no model",
-    "adaptive_fuzzy_flc": "linearization + learning on the sets",
-    "adaptive_fuzzy_pid": "PID + learning on the sets",
-    "scaled_pid": "PID scaled by the rules",
-}
-"""What each control law is, beside its name."""
+_BUTTONS = ("play / pause", "◂", "▸", "reset", "loop")
 _TIME_STEP = 0.01
-_FREQUENCIES = (1.0, 500.0)
-"""Natural frequencies that a controller at 1 kHz can have, rad/s."""
+_SLOW = 0.9
+"""Share of the wanted speed below which it is said that the machine is slower."""
 
 
 class PlaybackView:
-    """Controls of the experiment and of time."""
+    """Notice, play, pause, steps, reset, loop, the time, live or replay, and the speed."""
 
     def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
         self._duration = 3.0
+        self._now = 0.0
         self._notice = gui.add_html("")
-        buttons = gui.add_button_group("time", ("play / pause", "reset"))
-        on_input(buttons, dispatch, self._press)
+        self._buttons = gui.add_button_group("time", _BUTTONS)
+        on_input(self._buttons, dispatch, self._press)
         self._time = gui.add_slider("t [s]", 0.0, self._duration, _TIME_STEP, 0.0)
         on_input(self._time, dispatch, self._scrub)
         self._source = gui.add_dropdown("source", tuple(_SOURCES))
         on_input(self._source, dispatch, lambda v: PlaybackChanged({"source": _SOURCES[clean.choice(v, _SOURCES)]}))
         self._speed = gui.add_dropdown("speed", tuple(_SPEEDS))
         on_input(self._speed, dispatch, lambda v: PlaybackChanged({"speed": _SPEEDS[clean.choice(v, _SPEEDS)]}))
-        self._setup: dict[str, Any] = {}
-        self._options = _setup_options()
-        for field, options in self._options.items():
-            self._setup[field] = gui.add_dropdown(field, tuple(options))
-            on_input(self._setup[field], dispatch, partial(_setup_event, field, options))
-        self._frequency = gui.add_number("ωn [rad/s]", 1.0, step=1.0, hint="Natural frequency of the error dynamics")
-        on_input(self._frequency, dispatch, _frequency_event)
         self._status = gui.add_html("")
         self._state: AppState | None = None
 
     def render(self, state: AppState) -> None:
-        """Show the experiment and the notice."""
+        """Show the notice and how time passes."""
         before, self._state = self._state, state
         playback = state.playback
-        self._source.value = _shown(_SOURCES, playback.source)
-        self._speed.value = _shown(_SPEEDS, playback.speed)
-        for field, options in self._options.items():
-            self._setup[field].value = _shown(options, getattr(state.setup, field))
-        frequency = experiment.natural_frequency(state.setup)
-        self._frequency.visible = frequency is not None
-        if frequency is not None:
-            self._frequency.value = frequency
+        self._source.value = next(text for text, name in _SOURCES.items() if name == playback.source)
+        self._speed.value = next(text for text, speed in _SPEEDS.items() if speed == playback.speed)
+        options = tuple(f"{MARK}{name}" if name == "loop" and playback.loops else name for name in _BUTTONS)
+        if tuple(self._buttons.options) != options:
+            self._buttons.options = options
         if state.runs.current is not None:
             self._duration = state.runs.current.run.scenario.duration
             self._time.max = self._duration
         if not playback.is_playing and playback.source == "replay":
             time = min(playback.time, self._duration)
+            self._now = time
             if before is not None and before.playback.is_playing:
                 # Frames that were on their way have moved the browser's slider since: equal values would not be sent.
                 self._time.value = time + _TIME_STEP / 2
@@ -89,41 +63,36 @@ class PlaybackView:
         state = self._state
         if state is None:
             return
+        self._now = min(frame.t, self._duration)
         if state.playback.is_playing:
-            self._time.value = round(min(frame.t, self._duration) / _TIME_STEP) * _TIME_STEP
+            self._time.value = round(self._now / _TIME_STEP) * _TIME_STEP
         self._status.content = _status_html(state, frame)
 
-    def _press(self, value: object) -> PlaybackChanged | ResetRequested:
+    def step(self, direction: int) -> Event:
+        """Return the event that shows the moment before or after the present one, standing still."""
+        count = round(self._now / _TIME_STEP) + direction
+        time = min(max(count * _TIME_STEP, 0.0), self._duration)
+        return PlaybackChanged({"source": "replay", "is_playing": False, "time": time})
+
+    def _press(self, value: object) -> Event:
         assert self._state is not None
-        if clean.choice(value, ("play / pause", "reset")) == "reset":
-            return ResetRequested()
-        return PlaybackChanged({"is_playing": not self._state.playback.is_playing})
+        text = value.removeprefix(MARK) if isinstance(value, str) else value
+        playback: Playback = self._state.playback
+        match clean.choice(text, _BUTTONS):
+            case "reset":
+                return ResetRequested()
+            case "◂":
+                return self.step(-1)
+            case "▸":
+                return self.step(1)
+            case "loop":
+                return PlaybackChanged({"loops": not playback.loops})
+            case _:
+                return PlaybackChanged({"is_playing": not playback.is_playing})
 
     def _scrub(self, value: object) -> PlaybackChanged:
         time = clean.number(value, 0.0, self._duration, "the time")
         return PlaybackChanged({"source": "replay", "is_playing": False, "time": time})
-
-
-def _setup_options() -> dict[str, dict[str, str]]:
-    """Return, for each field of the experiment, the offered texts and the names that they stand for."""
-    return {
-        "controller": {f"{name} · {_CONTROLLERS[name]}": name for name in controllers.NAMES},
-        "scenario": {name: name for name in experiment.scenario_names()},
-        "disturbance": {_DISTURBANCES[name]: name for name in experiment.DISTURBANCES},
-        "arm": {name: name for name in PRESETS},
-    }
-
-
-def _setup_event(field: str, options: dict[str, str], value: object) -> SetupChanged:
-    return SetupChanged({field: options[clean.choice(value, options, f"the {field}")]})
-
-
-def _frequency_event(value: object) -> SetupChanged:
-    return SetupChanged({"natural_frequency": clean.number(value, *_FREQUENCIES, "the natural frequency")})
-
-
-def _shown(options: dict[str, Any], value: object) -> str:
-    return next(text for text, name in options.items() if name == value)
 
 
 def _notice_html(state: AppState) -> str:
@@ -140,14 +109,26 @@ def _notice_html(state: AppState) -> str:
 
 
 def _status_html(state: AppState, frame: Frame) -> str:
-    playing = "▶" if state.playback.is_playing else "❚❚"
+    playback = state.playback
+    playing = "▶" if playback.is_playing else "❚❚"
     if frame.stopped is not None:
         return div(escape(frame.stopped), f"color:{ERROR}")
+    color = MUTED
     if state.progress is not None:
         what = "waiting for the kernels"
-    elif state.playback.source == "live":
-        factor = f"{frame.factor:.2f}× real time" if state.playback.is_playing else "paused"
-        what = f"live simulation · {factor}"
+    elif playback.source == "live":
+        what = "live simulation · paused"
+        if playback.is_playing and frame.t > _duration(state):
+            what = "live simulation · at its end"
+        elif playback.is_playing:
+            what = f"live simulation · {frame.factor:.2f}× real time"
+            if 0.0 < frame.factor < _SLOW * playback.speed:
+                what, color = f"{what}: all this machine can", BAD
     else:
         what = "replay of the last run"
-    return div(f"{playing} {what} · t = {frame.t:.2f} s", f"color:{MUTED};font-variant-numeric:tabular-nums")
+    return div(f"{playing} {what} · t = {frame.t:.2f} s", f"color:{color};font-variant-numeric:tabular-nums")
+
+
+def _duration(state: AppState) -> float:
+    """Return how long the present scenario is, s; without a run yet, endless."""
+    return float("inf") if state.runs.current is None else state.runs.current.run.scenario.duration

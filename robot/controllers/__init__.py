@@ -20,18 +20,21 @@ from robot.controllers.fuzzy import FuzzyFlc
 from robot.controllers.fuzzy_pid import FuzzyPid, ScaledPid
 from robot.controllers.gravity import PidGravity
 from robot.controllers.pid import Pid
+from robot.controllers.tuning import GAINS, Gain, gains, scaled
 from robot.errors import InvalidControllerError, UnknownNameError
 
 if TYPE_CHECKING:
     from robot.scenario import Scenario
 
 __all__ = [
+    "GAINS",
     "NAMES",
     "AdaptiveFuzzyFlc",
     "AdaptiveFuzzyPid",
     "ControlLaw",
     "FuzzyFlc",
     "FuzzyPid",
+    "Gain",
     "Law",
     "Parallel",
     "PdFlc",
@@ -42,10 +45,12 @@ __all__ = [
     "checked_gains",
     "default",
     "default_natural_frequency",
+    "gains",
     "has_natural_frequency",
     "inference_of",
     "model_of",
     "needs_rules",
+    "scaled",
 ]
 
 ControlLaw = (

@@ -33,6 +33,7 @@ from fuzzy import edits
 from fuzzy.formats import load
 from fuzzy.system import FuzzySystem, Input, RuleBase
 from robot.arm import Arm
+from robot.pull import Pull
 from robot.simulation import Simulation, simulate
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
@@ -227,7 +228,7 @@ def test_a_new_law_takes_over_where_the_arm_is(live: LiveSimulation, law: Experi
     np.testing.assert_array_equal(gone_on.sample.q, expected.sample().q)  # pyright: ignore[reportOptionalMemberAccess]
 
 
-@pytest.mark.parametrize("setup", [Setup(scenario="sinus"), Setup(arm="stiff"), Setup(disturbance="force_noise")])
+@pytest.mark.parametrize("setup", [Setup(scenario="sinus"), Setup(arm="stiff"), Setup(bend=0.2)])
 def test_another_experiment_begins_anew(live: LiveSimulation, setup: Setup) -> None:
     still = started_at(live, prepared())
     wanted = prepared(setup=setup)
@@ -235,6 +236,52 @@ def test_another_experiment_begins_anew(live: LiveSimulation, setup: Setup) -> N
     anew = moment_where(live, lambda moment: moment.law is wanted.law, "the other experiment")
     assert anew.sample.t < still.sample.t
     np.testing.assert_allclose(anew.sample.q, simulate(*prepared(setup=setup, duration=0.01)).q[0], atol=1e-9)
+
+
+@pytest.mark.parametrize("setup", [Setup(disturbance="force_noise"), Setup(stiffness=1.5), Setup(greatest_force=5.0)])
+def test_other_conditions_do_not_stop_the_motion(live: LiveSimulation, setup: Setup) -> None:
+    still = started_at(live, prepared())
+    wanted = prepared(setup=setup)
+    live.use(wanted)
+    changed = moment_where(live, lambda moment: moment.law is wanted.law, "the other conditions")
+    assert changed.sample.t == still.sample.t
+    np.testing.assert_array_equal(changed.sample.q, still.sample.q)
+    live.follow(Playback())
+    gone_on = moment_where(live, lambda moment: moment.sample.t > still.sample.t, "the motion to go on")
+    expected = Simulation(*prepared())
+    ticks = round(still.sample.t * TICKS_PER_SECOND)
+    expected.advance(ticks + 1)
+    expected.go_on(wanted.scenario)
+    expected.use(wanted.law)
+    expected.advance(round((gone_on.sample.t - still.sample.t) * TICKS_PER_SECOND))
+    np.testing.assert_array_equal(gone_on.sample.q, expected.sample().q)  # pyright: ignore[reportOptionalMemberAccess]
+
+
+def test_a_hand_pulls_the_arm_and_lets_go(live: LiveSimulation) -> None:
+    live.use(prepared(setup=Setup(controller="pd_flc", extension=0.0, bend=0.0)))
+    live.follow(Playback())
+    rest = moment_where(live, lambda moment: moment.sample.t > 0.1, "the arm at rest").sample.q
+    arm = Arm.preset("soft")
+    tip = Pull(3.0, (0.0, 0.0)).held(arm, rest)
+
+    def moved(moment: Moment) -> float:
+        return float(Pull(3.0, (0.0, 0.0)).held(arm, moment.sample.q)[0] - tip[0])
+
+    live.pull(Pull(3.0, (float(tip[0]) + 0.15, float(tip[1]))))
+    pulled = moment_where(live, lambda moment: moved(moment) > 0.02, "the arm to give way")
+    assert pulled.pull is not None
+    live.pull(None)
+    moment_where(live, lambda m: m.pull is None and moved(m) < 0.005, "the arm to come back")
+
+
+def test_without_a_loop_the_live_simulation_ends_with_the_scenario(live: LiveSimulation) -> None:
+    live.follow(Playback(loops=False))
+    live.use(prepared(duration=0.2))
+    end = moment_where(live, lambda moment: moment.sample.t >= 0.2, "the end")
+    later = moment_where(live, lambda moment: moment is not end and moment.factor == 0.0, "a frame after the end")
+    assert later.sample.t == end.sample.t
+    live.follow(Playback())
+    moment_where(live, lambda moment: moment.sample.t < 0.2, "the next round")
 
 
 def test_the_arm_stands_still_in_a_pause_and_goes_on_from_there(live: LiveSimulation) -> None:

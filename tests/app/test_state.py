@@ -23,6 +23,8 @@ from app.state import (
     Edit,
     Event,
     JumpedTo,
+    KeptRemoved,
+    KeptRenamed,
     Notice,
     Noticed,
     Opened,
@@ -33,6 +35,7 @@ from app.state import (
     ResetRequested,
     Result,
     RunFinished,
+    RunKept,
     Saved,
     Selected,
     Setup,
@@ -58,7 +61,7 @@ STAMP = Stamp(1, 2, "3")
 
 def result(name: str) -> Result:
     """A simulated run as the state sees it: something with an identity."""
-    return Result(cast("Any", f"run {name}"), cast("Any", f"metrics {name}"))
+    return Result(cast("Any", f"run {name}"), cast("Any", f"metrics {name}"), cast("Any", f"rows of {name}"))
 
 
 def variables(system: FuzzySystem) -> tuple[Variable, ...]:
@@ -517,6 +520,35 @@ def test_nothing_but_edits_touches_the_document():
     assert reset.playback.resets != state.playback.resets
 
 
+def test_runs_are_kept_in_the_first_free_colour_under_names_of_their_own():
+    state = update(update(initial(DIAGONAL), RunKept()), RunFinished(DIAGONAL, Setup(), result("a"), result("pid")))
+    assert state.runs.kept == ()
+    for _ in range(6):
+        state = update(state, RunKept())
+    assert [one.slot for one in state.runs.kept] == [0, 1, 2, 3]
+    assert len({one.name for one in state.runs.kept}) == 4
+    assert state.notice is not None
+    assert state.notice.is_error
+    state = update(update(state, KeptRemoved(1)), KeptRenamed(2, "mine"))
+    assert [(one.slot, one.name == "mine") for one in state.runs.kept] == [(0, False), (2, True), (3, False)]
+    refused = update(state, KeptRenamed(3, "mine"))
+    assert refused.runs.kept == state.runs.kept
+    state = update(update(state, Edit("other", lambda _: PILTAN)), RunKept())
+    assert [one.slot for one in state.runs.kept] == [0, 1, 2, 3]
+    assert state.runs.kept[1].result == result("a")
+    assert update(state, KeptRemoved(9)).runs.kept == state.runs.kept
+
+
+def test_another_scenario_or_law_gets_its_own_defaults():
+    state = initial(DIAGONAL)
+    for changes in ({"bend": 0.5, "gu": 2.0, "damping_ratio": 0.7}, {"mass": 1.3}, {"natural_frequency": 20.0}):
+        state = update(state, SetupChanged(changes))
+    other = update(state, SetupChanged({"scenario": "sinus"})).setup
+    assert (other.bend, other.natural_frequency, other.gu, other.mass) == (None, None, 2.0, 1.3)
+    other = update(state, SetupChanged({"controller": "pd_flc"})).setup
+    assert (other.bend, other.natural_frequency, other.gu, other.damping_ratio) == (0.5, 20.0, 1.0, 1.0)
+
+
 def test_every_event_is_handled():
     """A new kind of event without a case would fail here, not in the browser."""
     kinds = set(cast("Any", app_state.Event).__args__)
@@ -536,6 +568,8 @@ def test_every_event_is_handled():
             RunFinished,
         ),
         *(Progressed, Noticed, Recovered, Asked),
+        *(Edit, Undo, Redo, Opened, Saved, Selected, SetupChanged, PlaybackChanged, ResetRequested, RunFinished),
+        *(Progressed, Noticed, RunKept, KeptRenamed, KeptRemoved),
     }
     with pytest.raises(AssertionError):
         update(initial(DIAGONAL), cast("Event", object()))

@@ -41,10 +41,8 @@ from app.views.explain import ExplainView
 from app.views.files import FilesView
 from app.views.inference import InferenceView
 from app.views.membership import MembershipView
-from app.views.metrics import MetricsView
-from app.views.playback import PlaybackView
-from app.views.plots import PlotsView
 from app.views.rules import RulesView
+from app.views.run import RunPanels
 from fuzzy import edits
 from fuzzy.errors import InvalidInputError
 from fuzzy.formats import load, save
@@ -86,11 +84,10 @@ class Screen:
 
     def _build(self, storage: Storage) -> None:
         gui, dispatch, filing = self.server.gui, self.store.dispatch, Filing(storage, lambda: self.store.state)
-        self.views: list[Any] = [
-            *(RulesView(gui, dispatch), MembershipView(gui, dispatch), PlaybackView(gui, dispatch), ExplainView(gui)),
-            *(InferenceView(gui, dispatch), FilesView(gui, dispatch, filing), PlotsView(gui, dispatch)),
-            MetricsView(gui),
-        ]
+        run = RunPanels(gui, dispatch)
+        live = (RulesView(gui, dispatch), MembershipView(gui, dispatch), ExplainView(gui))
+        self.live_views: list[Any] = [*live, *run.live_views]
+        self.views: list[Any] = [*live, *run.views, InferenceView(gui, dispatch), FilesView(gui, dispatch, filing)]
         self.arm = ArmView(self.server)
         self.store.add(*self.views)
 
@@ -109,7 +106,7 @@ class Screen:
         return self.dispatch(Opened(document, "other.yaml", STAMP, ("mine.yaml", "other.yaml")))
 
     def show(self, frame: Frame) -> None:
-        for view in [*self.views[:4], self.arm]:
+        for view in [*self.live_views, self.arm]:
             self.on_loop(lambda view=view: view.show(frame))
 
     def handles(self) -> dict[str, Any]:
@@ -160,7 +157,7 @@ def simulated(document: FuzzySystem, setup: Setup = Setup()) -> Run:  # noqa: B0
 
 def finished(document: FuzzySystem, setup: Setup = Setup()) -> RunFinished:  # noqa: B008
     found = simulated(document, setup)
-    result = Result(found, found.metrics())
+    result = Result(found, found.metrics(), found.thinned(100))
     return RunFinished(document, setup, result, result, tuple(fuzzy.check(document)))
 
 
@@ -177,6 +174,8 @@ def frame_of(run: Run, row: int, strength: np.ndarray | None) -> Frame:
         strength=strength,
         factor=1.0,
         stopped=None,
+        blocks=run.inputs[row],
+        outputs=run.output[row],
     )
 
 
@@ -204,8 +203,8 @@ def test_an_edit_sends_what_it_changes_and_only_that(screen: Screen) -> None:
     screen.sent.clear()
     screen.dispatch(Edit("paint", partial(edits.set_cell, row=0, column=0, consequent="LR")))
     updated = {message.uuid for message in screen.sent if isinstance(message, _messages.GuiUpdateMessage)}
-    assert 0 < len(updated) <= 6
-    assert len(screen.sent) <= 8
+    assert 0 < len(updated) <= 8  # the legends name the run before from now on
+    assert len(screen.sent) <= 12
 
 
 def test_a_hundred_edits_leave_as_many_widgets_as_before(screen: Screen) -> None:

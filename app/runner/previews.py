@@ -1,0 +1,87 @@
+"""The whole scenario again after every change: a thread in which only the newest request matters."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+import fuzzy
+from app import experiment
+from app.experiment import Experiment
+from app.runner.live import PATIENCE, LiveSimulation
+from app.state import Event, Notice, Noticed, Result, RunFinished, Setup
+from fuzzy.errors import FuzzyError
+from fuzzy.system import FuzzySystem
+from robot.arm import Arm
+from robot.errors import InvalidControllerError, RobotError
+from robot.scenario import Scenario
+from robot.simulation import Run, simulate
+
+PICTURE_ROWS = 600
+"""Rows of a run that a picture needs: more than a panel has pixels."""
+
+Post = Callable[[Event], None]
+
+
+class Previews:
+    """A thread that compiles every new document and simulates its whole scenario; only the newest matters."""
+
+    def __init__(self, post: Post, live: LiveSimulation, warm_up: Callable[[Post], None]) -> None:
+        self._post = post
+        self._live = live
+        self._warm_up = warm_up
+        self._wanted: queue.SimpleQueue[tuple[FuzzySystem, Setup] | None] = queue.SimpleQueue()
+        self._pid: tuple[tuple[Arm, Scenario], Result] | None = None
+        self._thread = threading.Thread(target=self._run, name="previews", daemon=True)
+        self._thread.start()
+
+    def request(self, document: FuzzySystem, setup: Setup) -> None:
+        """Simulate this next, instead of anything that still waits."""
+        self._wanted.put((document, setup))
+
+    def stop(self) -> None:
+        """End the thread."""
+        self._wanted.put(None)
+        self._thread.join(timeout=PATIENCE)
+
+    def _run(self) -> None:
+        self._warm_up(self._post)
+        while True:
+            wanted = self._wanted.get()
+            while not self._wanted.empty():
+                wanted = self._wanted.get()
+            if wanted is None:
+                return
+            try:
+                self._post(self._preview(*wanted))
+            except (FuzzyError, RobotError) as error:
+                # The last good controller goes on.
+                self._post(Noticed(Notice(f"Cannot run this: {error}.", is_error=True)))
+
+    def _preview(self, document: FuzzySystem, setup: Setup) -> RunFinished:
+        controller = fuzzy.compile_system(document)
+        wanted = experiment.prepare(setup, controller)
+        result = result_of(wanted)
+        self._live.use(wanted)  # only what can run; a few milliseconds later at the most
+        conditions = (wanted.arm, wanted.scenario)
+        if self._pid is None or self._pid[0] != conditions:
+            self._pid = (conditions, result_of(experiment.prepare(setup, controller, law="pid")))
+        return RunFinished(document, setup, result, self._pid[1], tuple(fuzzy.check(document)))
+
+
+def result_of(wanted: Experiment) -> Result:
+    """Return the whole run of an experiment, and what tables and charts need of it."""
+    run = simulate(*wanted)
+    drawn = run.thinned(PICTURE_ROWS)
+    return Result(run, run.metrics(), drawn, _lyapunov(drawn))
+
+
+def _lyapunov(run: Run) -> NDArray[np.float64] | None:
+    try:
+        return run.lyapunov()
+    except InvalidControllerError:  # a law for which none is known
+        return None

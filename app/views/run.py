@@ -1,0 +1,38 @@
+"""The panels on the right: Run above Response."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import viser
+
+from app.store import Dispatch
+from app.views.baselines import BaselinesView
+from app.views.experiment import ExperimentView
+from app.views.metrics import MetricsView
+from app.views.playback import PlaybackView
+from app.views.plots import PlotsView
+
+
+class RunPanels:
+    """Builds both panels.
+
+    Attributes:
+        playback: The controls of time, for the hotkeys.
+        views: All views, in the order in which they are rendered.
+        live_views: Those that follow the moving arm.
+        response: The lower panel, to be docked.
+    """
+
+    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+        self.playback = PlaybackView(gui, dispatch)
+        experiment = ExperimentView(gui, dispatch)
+        with gui.add_folder("Baselines", expand_by_default=False):
+            baselines = BaselinesView(gui, dispatch)
+        self.response = gui.add_panel()
+        with self.response.add_tab("Plots", viser.Icon.CHART_LINE):
+            plots = PlotsView(gui, dispatch)
+        with self.response.add_tab("Metrics", viser.Icon.LIST_NUMBERS):
+            metrics = MetricsView(gui)
+        self.views: tuple[Any, ...] = (self.playback, experiment, baselines, plots, metrics)
+        self.live_views: tuple[Any, ...] = (self.playback, plots)
