@@ -9,6 +9,7 @@ from collections.abc import Callable
 from app import experiment
 from app.state import Event, Progressed, Setup
 from fuzzy import compile_system
+from fuzzy.analysis import contributions
 from fuzzy.system import FuzzySystem
 from robot import dynamics
 from robot.arm import Arm
@@ -38,8 +39,10 @@ def warm_up(document: FuzzySystem, post: Callable[[Event], None]) -> None:
 
 
 def _inference(document: FuzzySystem) -> None:
-    middle = ((variable.low + variable.high) / 2 for variable in document.inputs)
-    compile_system(document).explain(*middle)
+    middle = [(variable.low + variable.high) / 2 for variable in document.inputs]
+    controller = compile_system(document)
+    controller.explain(*middle)
+    contributions(controller, middle)
 
 
 def _dynamics(_: FuzzySystem) -> None:

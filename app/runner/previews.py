@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 import fuzzy
 from app import experiment
 from app.experiment import Experiment
+from app.runner.advice import advise
 from app.runner.live import PATIENCE, LiveSimulation
-from app.state import Event, Notice, Noticed, Result, RunFinished, Setup
+from app.state import Advised, Event, Notice, Noticed, Result, RunFinished, Setup
 from fuzzy.errors import FuzzyError
 from fuzzy.system import FuzzySystem
 from robot.arm import Arm
@@ -57,7 +58,11 @@ class Previews:
             if wanted is None:
                 return
             try:
-                self._post(self._preview(*wanted))
+                finished = self._preview(*wanted)
+                self._post(finished)
+                advice = advise(finished.setup, finished.result, lambda: not self._wanted.empty())
+                if advice is not None:
+                    self._post(Advised(finished.result, advice))
             except (FuzzyError, RobotError) as error:
                 # The last good controller goes on.
                 self._post(Noticed(Notice(f"Cannot run this: {error}.", is_error=True)))

@@ -6,6 +6,7 @@ running experiment, notices) is neither. A *frame* of the moving arm never comes
 
 from app.state.design import Design
 from app.state.events import (
+    Advised,
     Asked,
     DesignChanged,
     Edit,
@@ -32,6 +33,7 @@ from app.state.model import (
     LAYERS,
     MAX_KEPT,
     SPEEDS,
+    Advice,
     AppState,
     Chart,
     Conflict,
@@ -64,6 +66,8 @@ __all__ = [
     "LAYERS",
     "MAX_KEPT",
     "SPEEDS",
+    "Advice",
+    "Advised",
     "AppState",
     "Asked",
     "Chart",

@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from app.state.model import Notice, Question, Result, Source, Work
+from app.state.model import Advice, Notice, Question, Result, Source, Work
 from app.state.setup import Setup
 from app.storage import Stamp
 from fuzzy.check import Finding
@@ -126,6 +126,13 @@ class RunFinished(msgspec.Struct, frozen=True, eq=False):
     findings: tuple[Finding, ...] = ()
 
 
+class Advised(msgspec.Struct, frozen=True, eq=False):
+    """It was found out what to look at where ``result`` overshoots."""
+
+    result: Result
+    advice: tuple[Advice, ...]
+
+
 class Progressed(msgspec.Struct, frozen=True):
     """Kernels are being made ready: what is done now; None when they are."""
 
@@ -156,6 +163,7 @@ Event = (
     | KeptRenamed
     | KeptRemoved
     | RunFinished
+    | Advised
     | Progressed
     | Noticed
 )

@@ -12,7 +12,7 @@ from app.state.design import Design
 from app.state.setup import Setup
 from app.storage import Stamp
 from fuzzy.check import Finding
-from fuzzy.system import FuzzySystem
+from fuzzy.system import FuzzySystem, Rule
 from robot.metrics import Metrics
 from robot.simulation import Run
 
@@ -120,6 +120,34 @@ class Result(NamedTuple):
     lyapunov: NDArray[np.float64] | None = None
 
 
+class Advice(NamedTuple):
+    """What to look at where a coordinate overshoots.
+
+    Attributes:
+        coordinate: Its number.
+        percent: Overshoot, % of the step.
+        start: From when on braking could have helped, s.
+        peak: When the excess is largest, s.
+        rule: The rule to look at; None if no rule fired.
+        number: Its number, as in ``fuzzy.rules.all_rules``.
+        push: How far it moved the output in the direction of the step, on the mean of that time.
+        term: The neighbouring consequent with which it was tried; None if none helps.
+        after: The overshoot then, %.
+        settling: The worst settling time then, s.
+    """
+
+    coordinate: int
+    percent: float
+    start: float
+    peak: float
+    rule: Rule | None = None
+    number: int = -1
+    push: float = 0.0
+    term: str | None = None
+    after: float = 0.0
+    settling: float = 0.0
+
+
 class Kept(NamedTuple):
     """A run that was kept to compare with.
 
@@ -145,6 +173,7 @@ class Runs(msgspec.Struct, frozen=True, eq=False):
     before: Result | None = None
     pid: Result | None = None
     kept: tuple[Kept, ...] = ()
+    advice: tuple[Advice, ...] | None = None  # on the present run; None while it is worked out
 
 
 class AppState(msgspec.Struct, frozen=True, eq=False):

@@ -9,6 +9,7 @@ import msgspec
 from app.state import kept
 from app.state.design import after_edit, fitting, names_of
 from app.state.events import (
+    Advised,
     Asked,
     DesignChanged,
     Edit,
@@ -106,8 +107,12 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
         case RunFinished():
             if event.setup != state.setup:
                 return state
-            runs = _replace(state.runs, current=event.result, pid=event.pid)
+            runs = _replace(state.runs, current=event.result, pid=event.pid, advice=None)
             return _replace(state, runs=runs, findings=event.findings)
+        case Advised():
+            if event.result is not state.runs.current:
+                return state
+            return _replace(state, runs=_replace(state.runs, advice=event.advice))
         case Progressed():
             return _replace(state, progress=event.text)
         case Noticed():

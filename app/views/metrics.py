@@ -1,12 +1,13 @@
-"""Response › Metrics: the numbers of the run beside those before the edit and those of plain PID control."""
+"""Response › Metrics: the numbers of the run beside those before the edit, of kept runs and of plain PID control."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import viser
 
-from app.palette import BAD, GOOD, MUTED
+from app.palette import BAD, GOOD, KEPT, MUTED, css
 from app.state import AppState, Result
 from app.widgets import div, escape, number
 
@@ -21,13 +22,21 @@ _ROWS = {
     "rms_error": ("RMS error", "%"),
     "effort": ("effort, ∫F² dt", "N² s"),
     "peak_force": ("peak force", "N"),
+    "saturation": ("force at its limit", "%"),
 }
 """For each metric its name for the reader and its unit; A is the coordinate's step."""
 
-_COLUMNS = ("now", "before", "PID")
-
 _DIFFERENCE = 0.01
 """Relative difference from which on a number counts as better or worse."""
+
+
+class _Column(NamedTuple):
+    """A run in the table: its id, its heading as HTML, and the run with which its numbers are compared."""
+
+    key: str
+    heading: str
+    result: Result | None
+    rival: Result | None
 
 
 class MetricsView:
@@ -42,35 +51,59 @@ class MetricsView:
         if runs.current is None:
             self._table.content = div("The first run is being simulated.", f"color:{MUTED}")
             return
-        results = (runs.current, runs.before, runs.pid)
-        head = "".join(f'<th style="text-align:right">{name}</th>' for name in _COLUMNS)
+        kept = [
+            _Column(f"kept{one.slot + 1}", _kept_heading(one.slot, one.name), one.result, runs.current)
+            for one in runs.kept
+        ]
+        columns = [
+            _Column("now", "now", runs.current, runs.before),
+            _Column("before", "before", runs.before, None),
+            *kept,
+            _Column("PID", "PID", runs.pid, runs.current),
+        ]
+        head = "".join(f'<th style="text-align:right">{column.heading}</th>' for column in columns)
         title = '<th style="text-align:left">worst coordinate</th>'
         lines = [f'<tr style="color:{MUTED}">{title}{head}</tr>']
-        lines += [_line(metric, results) for metric in _ROWS]
-        style = "width:100%;border-spacing:0 3px;font-variant-numeric:tabular-nums"
+        has_limits = runs.current.run.scenario.force_limits is not None
+        lines += [_line(metric, columns) for metric in _ROWS if metric != "saturation" or has_limits]
+        size = "12px" if kept else "13px"
+        style = f"width:100%;border-spacing:3px;font-variant-numeric:tabular-nums;font-size:{size};line-height:1.3"
         stopped = runs.current.run.stopped
         warning = "" if stopped is None else f'<div style="color:{BAD}">{escape(str(stopped))}</div>'
-        legend = f'<div style="color:{MUTED}">less is better; green or orange where it differs from before</div>'
-        self._table.content = div(f'{warning}<table style="{style}">{"".join(lines)}</table>{legend}')
+        text = "less is better; green is better, orange worse: now than before, the others than now"
+        legend = f'<div style="color:{MUTED}">{text}</div>'
+        names = "".join(f"<div>{_kept_heading(one.slot, one.name)} {escape(one.name)}</div>" for one in runs.kept)
+        table = f'<div style="overflow-x:auto"><table style="{style}">{"".join(lines)}</table></div>'
+        self._table.content = div(f"{warning}{table}{legend}{names}")
 
 
-def _line(metric: str, results: tuple[Result | None, ...]) -> str:
+def _kept_heading(slot: int, name: str) -> str:
+    return f'<span style="color:{css(KEPT[slot])}" title="{escape(name)}">━ {slot + 1}</span>'
+
+
+def _line(metric: str, columns: list[_Column]) -> str:
     label, unit = _ROWS[metric]
-    values = [math.nan if result is None else getattr(result.metrics, metric)["worst"] for result in results]
-    colors = (_color(values[0], values[1]), "inherit", "inherit")
-    cells = [
-        f'<td id="{metric}-{column}" style="text-align:right;color:{color}">{_text(value)}</td>'
-        for column, value, color in zip(_COLUMNS, values, colors, strict=True)
-    ]
+    cells = []
+    for column in columns:
+        value, rival = (
+            math.nan if result is None else getattr(result.metrics, metric)["worst"]
+            for result in (column.result, column.rival)
+        )
+        color = _color(value, rival)
+        cells.append(
+            f'<td id="{metric}-{column.key}" style="text-align:right;white-space:nowrap;color:{color}">'
+            f"{_text(value)}</td>"
+        )
     return f'<tr><td>{label} <span style="color:{MUTED}">{unit}</span></td>{"".join(cells)}</tr>'
 
 
-def _color(now: float, before: float) -> str:
-    if math.isnan(now) or math.isnan(before) or _text(now) == _text(before):
+def _color(value: float, rival: float) -> str:
+    if math.isnan(value) or math.isnan(rival) or _text(value) == _text(rival):
         return "inherit"
-    if math.isfinite(now) and math.isfinite(before) and abs(now - before) <= _DIFFERENCE * max(abs(now), abs(before)):
+    both = math.isfinite(value) and math.isfinite(rival)
+    if both and abs(value - rival) <= _DIFFERENCE * max(abs(value), abs(rival)):
         return "inherit"
-    return GOOD if now < before else BAD
+    return GOOD if value < rival else BAD
 
 
 def _text(value: float) -> str:

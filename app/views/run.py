@@ -12,6 +12,7 @@ from app.views.experiment import ExperimentView
 from app.views.metrics import MetricsView
 from app.views.playback import PlaybackView
 from app.views.plots import PlotsView
+from app.views.why import WhyView
 
 
 class RunPanels:
@@ -34,5 +35,7 @@ class RunPanels:
             plots = PlotsView(gui, dispatch)
         with self.response.add_tab("Metrics", viser.Icon.LIST_NUMBERS):
             metrics = MetricsView(gui)
-        self.views: tuple[Any, ...] = (self.playback, experiment, baselines, plots, metrics)
-        self.live_views: tuple[Any, ...] = (self.playback, plots)
+        with self.response.add_tab("Why", viser.Icon.QUESTION_MARK):
+            why = WhyView(gui, dispatch)
+        self.views: tuple[Any, ...] = (self.playback, experiment, baselines, plots, metrics, why)
+        self.live_views: tuple[Any, ...] = (self.playback, plots, why)

@@ -7,6 +7,7 @@ output with the hold policy has its start value where no rule fires, as in ``Con
 from fuzzy.analysis.contributions import OTHERS, Contribution, Contributions, Shares, contributions, shares
 from fuzzy.analysis.gains import EquivalentGains, LocalGains, equivalent_gains, local_gains
 from fuzzy.analysis.reach import Reach, output_range
+from fuzzy.analysis.remedies import culprits, stepped
 from fuzzy.analysis.surfaces import MAX_POINTS, Section, Surface, section, surface
 from fuzzy.analysis.usage import Coverage, RuleUsage, coverage, rule_usage
 
@@ -25,11 +26,13 @@ __all__ = [
     "Surface",
     "contributions",
     "coverage",
+    "culprits",
     "equivalent_gains",
     "local_gains",
     "output_range",
     "rule_usage",
     "section",
     "shares",
+    "stepped",
     "surface",
 ]

@@ -15,6 +15,7 @@ from app import state as app_state
 from app.state import (
     GESTURE_SECONDS,
     HISTORY_LENGTH,
+    Advised,
     AppState,
     Asked,
     Conflict,
@@ -569,7 +570,7 @@ def test_every_event_is_handled():
         ),
         *(Progressed, Noticed, Recovered, Asked),
         *(Edit, Undo, Redo, Opened, Saved, Selected, SetupChanged, PlaybackChanged, ResetRequested, RunFinished),
-        *(Progressed, Noticed, RunKept, KeptRenamed, KeptRemoved),
+        *(Progressed, Noticed, RunKept, KeptRenamed, KeptRemoved, Advised),
     }
     with pytest.raises(AssertionError):
         update(initial(DIAGONAL), cast("Event", object()))
