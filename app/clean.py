@@ -1,8 +1,8 @@
-"""What a browser may send: every callback passes what it got through one of these functions.
+"""Values that can be used as they are: each function returns one, or raises :class:`Refused` with a sentence.
 
-Viser applies whatever a websocket sends: values outside a slider's range, NaN, options that no dropdown lists. The
-functions here return a value that can be used as it is, or raise :class:`Refused`; ``what`` names the value in the
-message. Meant to be called as ``clean.number(event.target.value, 0, 1, "the weight")``.
+:mod:`app.door` holds every message against what its widget declares. Callbacks use these functions for what a widget
+cannot declare: names, names of files, what fits the document. ``what`` names the value in the message. Meant to be
+called as ``clean.number(event.target.value, 0, 1, "the weight")``.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterable
 
 from fuzzy.errors import expected
+from fuzzy.formats import SUFFIXES
 
 MAX_NAME = 64
 """Longest name of a variable, a term or a file, in characters."""
@@ -87,9 +88,20 @@ def file_name(value: object, what: str = "the file name") -> str:
     )
 
 
+def upload_name(value: object, what: str = "the file name") -> str:
+    """Return ``value`` if it is a plain name, without any folder, of a kind of file that can be read."""
+    plain = text(value, 4 * MAX_NAME, what)
+    if re.fullmatch(rf"(?!\.)[^/\\:\x00-\x1f\x7f]{{1,{MAX_NAME}}}", plain) and plain.lower().endswith(SUFFIXES):
+        return plain
+    raise Refused(
+        f"{what} is {_shown(plain)}; valid are at most {MAX_NAME} characters without / \\ : that end in "
+        f"{' '.join(SUFFIXES)} and do not begin with a dot"
+    )
+
+
 def upload(name: object, content: object) -> tuple[str, bytes]:
     """Return name and content of an uploaded file if both can be used."""
-    plain = file_name(name)
+    plain = upload_name(name)
     if not isinstance(content, bytes):
         raise Refused(f"the content of {plain} is {_shown(content)}; valid are bytes")
     if len(content) > MAX_UPLOAD:

@@ -2,8 +2,8 @@
 
 Viser listens without authentication, accepts a websocket from any page, buffers uploads of any size and lets every
 browser open a public tunnel. :func:`start_server` closes these doors. Every private name of viser's that this takes
-stands in this module, and ``tests/app/test_guard.py`` fails when one of them moves. What may be sent by those who are
-connected is the business of :mod:`app.clean`.
+stands in this module and in :mod:`app.door`, which decides what may be sent by those who are connected;
+``tests/app/test_guard.py`` and ``test_door.py`` fail when one of them moves.
 """
 
 from __future__ import annotations
@@ -32,13 +32,24 @@ from viser import _messages
 from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
-from app.clean import MAX_UPLOAD, Refused
+from app.clean import Refused
+from app.door import MAX_MESSAGE, Door
 
-_MAX_PARTS = 64
-"""Most parts of an upload, and most uploads at once: 1 MiB comes in two parts."""
+_CLOSE_SECONDS = 0.5
+"""How long a browser may take to say goodbye when the server ends."""
 
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "[::1]")
 """Hosts, as a browser writes them, that lead to this machine alone."""
+
+
+_HEADERS = {
+    "X-Frame-Options": "DENY",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+"""What every answer forbids other pages: to frame this one and to catch clicks, to load it, to learn its address."""
 
 
 class PortBusyError(OSError):
@@ -120,7 +131,6 @@ class Gate:
                 response = connection.respond(http.HTTPStatus.SEE_OTHER, "")
                 response.headers["Location"] = "/" + path.lstrip("/")
                 response.headers["Set-Cookie"] = f"{cookie}={given}; HttpOnly; SameSite=Strict; Path=/"
-                response.headers["Referrer-Policy"] = "no-referrer"
                 return response
         with contextlib.suppress(CookieError):
             for header in request.headers.get_all("Cookie"):
@@ -171,16 +181,23 @@ def check_token(token: str) -> str:
     )
 
 
-def start_server(*, host: str = "127.0.0.1", port: int = 8080, token: str | None = None) -> viser.ViserServer:
+def start_server(
+    *,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    token: str | None = None,
+    on_refused: Callable[[str], None] = lambda _: None,
+) -> viser.ViserServer:
     """Start a viser server that only its own page can talk to.
 
     Host, Origin and token are checked before HTTP requests and websockets alike; the public share tunnel is taken
-    out; uploads are limited to ``MAX_UPLOAD`` bytes in flight. Nothing is printed.
+    out; every message passes :class:`app.door.Door`. Nothing is printed.
 
     Args:
         host: Address to listen on.
         port: Port to listen on; 0 takes a free one (``server.get_port()`` names it).
         token: Secret that a browser must show, see :func:`check_token`; None for none.
+        on_refused: Called on the event loop with a sentence about each value that a browser sent in vain.
 
     Raises:
         PortBusyError: The port is taken.
@@ -189,12 +206,13 @@ def start_server(*, host: str = "127.0.0.1", port: int = 8080, token: str | None
     """
     require_free_port(host, port)
     gate = Gate(host, None if token is None else check_token(token))
-    with _gated_serve(gate) as calls, contextlib.redirect_stdout(io.StringIO()):
+    door = Door(on_refused)
+    with _gated_serve(gate, door) as calls, contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=host, port=port, verbose=False)
     try:
         _require_gated(server, port, calls)
         _close_share_tunnel(server)
-        _limit_uploads(server)
+        door.server = server
     except BaseException:
         server.stop()
         raise
@@ -206,18 +224,24 @@ _serve_lock = threading.Lock()
 
 
 @contextlib.contextmanager
-def _gated_serve(gate: Gate) -> Iterator[list[int]]:
-    """Put ``gate`` before every websockets server that is started meanwhile; yields the list of their ports."""
+def _gated_serve(gate: Gate, door: Door) -> Iterator[list[int]]:
+    """Put both before every websockets server that is started meanwhile; yields the list of their ports."""
     calls: list[int] = []
     real = websockets.asyncio.server.serve
 
     def serve(handler: Any, host: Any, port: Any, *, process_request: Callable[..., Any], **options: Any) -> Any:
         def gated(connection: ServerConnection, request: Request) -> Any:
             response = gate.answer(connection, request)
-            return process_request(connection, request) if response is None else response
+            if response is None:
+                response = process_request(connection, request)
+            if response is not None:
+                response.headers.update(_HEADERS)
+            return response
 
         calls.append(port)
-        return real(handler, host, port, process_request=gated, logger=_quiet_logger(), **options)
+        options |= {"max_size": MAX_MESSAGE, "create_connection": door.connection_class(), "logger": _quiet_logger()}
+        options["close_timeout"] = _CLOSE_SECONDS
+        return real(handler, host, port, process_request=gated, **options)
 
     with _serve_lock:
         websockets.asyncio.server.serve = cast("Any", serve)
@@ -249,34 +273,3 @@ def _close_share_tunnel(server: viser.ViserServer) -> None:
     """Drop the messages with which any browser could open a public tunnel to this server."""
     for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
         server._websock_server.unregister_handler(message)
-
-
-def _limit_uploads(server: viser.ViserServer) -> None:
-    """Drop uploads, and parts of them, that would hold more than ``MAX_UPLOAD`` bytes together.
-
-    Viser buffers whatever arrives; its own table of transfers in flight is the truth about who still uploads.
-    """
-    gui = server.gui
-    handlers = server._websock_server._incoming_handlers
-    (start,) = handlers[_messages.FileTransferStartUpload]
-    (receive,) = handlers[_messages.FileTransferPart]
-
-    def begin(client_id: Any, message: _messages.FileTransferStartUpload) -> Any:
-        in_flight = gui._current_file_upload_states
-        promised = sum(state["total_bytes"] for state in in_flight.values())
-        is_small = 0 <= message.size_bytes <= MAX_UPLOAD - promised
-        if is_small and 0 <= message.part_count <= _MAX_PARTS and len(in_flight) < _MAX_PARTS:
-            return start(client_id, cast("Any", message))
-        return None
-
-    def go_on(client_id: Any, message: _messages.FileTransferPart) -> Any:
-        state = gui._current_file_upload_states.get(message.transfer_uuid)
-        if state is None:
-            return None
-        if state["transferred_bytes"] + len(message.content) > state["total_bytes"]:
-            del gui._current_file_upload_states[message.transfer_uuid]
-            return None
-        return receive(client_id, cast("Any", message))
-
-    handlers[_messages.FileTransferStartUpload] = [cast("Any", begin)]
-    handlers[_messages.FileTransferPart] = [cast("Any", go_on)]

@@ -62,7 +62,7 @@ class Workbench:
     def __init__(self, path: Path, *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None) -> None:
         storage = Storage(path.parent)
         opened = storage.open(path.name)
-        self.server = start_server(host=host, port=port, token=token)
+        self.server = start_server(host=host, port=port, token=token, on_refused=self._refuse)
         self._loop = self.server.get_event_loop()
         self.store = Store(
             initial(opened.system, file=path.name, stamp=opened.stamp, files=storage.names()), self._loop
@@ -83,6 +83,9 @@ class Workbench:
         self.is_left = self._journal.close()
         self._runner.stop()
         self.server.stop()
+
+    def _refuse(self, sentence: str) -> None:
+        self.store.dispatch(Noticed(Notice(f"Refused: {sentence}.", is_error=True)))
 
     def _warn(self, sentence: str) -> None:
         self.store.post(Noticed(Notice(sentence, is_error=True)))

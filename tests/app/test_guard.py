@@ -7,20 +7,21 @@ import http.client
 import socket
 import threading
 from collections.abc import Iterator
-from typing import cast
+from typing import Any, cast
 
 import msgspec.msgpack
 import pytest
 import viser
 import websockets.asyncio.server
 from viser import _messages
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosedError, InvalidStatus
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
 from websockets.typing import Origin, Subprotocol
 
 from app import guard
 from app.clean import MAX_UPLOAD, Refused
+from app.door import MAX_MESSAGE, Door
 
 TOKEN = "0123456789abcdef-XYZ"
 PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
@@ -166,6 +167,13 @@ def test_an_address_of_all_interfaces_answers_to_the_address_that_was_reached() 
         assert get(server, Host=f"evil.example:{port}", Cookie=cookie).status == 403
 
 
+def assert_disconnected(websocket: Connection, code: int) -> None:
+    with contextlib.suppress(ConnectionClosedError):
+        while True:
+            websocket.recv(timeout=10)
+    assert websocket.protocol.close_code == code
+
+
 def send(websocket: Connection, *messages: _messages.Message) -> None:
     """Send messages as viser's page does."""
     for message in messages:
@@ -201,8 +209,8 @@ class Uploads:
             if self.received[-1] == b"last":
                 self.has_last.set()
 
-    def start(self, websocket: Connection, name: str, size: int, parts: int = 1) -> None:
-        send(websocket, _messages.FileTransferStartUpload(self._uuid, name, "a.yaml", "text/plain", parts, size))
+    def start(self, websocket: Connection, name: str, size: int, parts: int = 1, file: str = "a.yaml") -> None:
+        send(websocket, _messages.FileTransferStartUpload(self._uuid, name, file, "text/plain", parts, size))
 
     def part(self, websocket: Connection, name: str, content: bytes, index: int = 0) -> None:
         send(websocket, _messages.FileTransferPart(self._uuid, name, index, content))
@@ -215,26 +223,46 @@ class Uploads:
         assert self.has_last.wait(timeout=10)
 
 
-def test_nobody_can_open_the_share_tunnel(monkeypatch: pytest.MonkeyPatch) -> None:
+def asked_for_a_tunnel(monkeypatch: pytest.MonkeyPatch, *messages: _messages.Message) -> list[str]:
+    """Return what viser is asked to do by messages that pass the door unchecked."""
     asked: list[str] = []
     monkeypatch.setattr(viser.ViserServer, "request_share_url", lambda self: asked.append("request"))
     monkeypatch.setattr(viser.ViserServer, "disconnect_share_url", lambda self: asked.append("disconnect"))
+    monkeypatch.setattr(Door, "check", lambda self, data: None)
     with running() as server, open_websocket(server) as websocket:
-        send(websocket, _messages.ShareUrlRequest(), _messages.ShareUrlDisconnect())
+        send(websocket, *messages)
         Uploads(server).wait_until_read(websocket)
-    assert asked == []
+        server._thread_executor.shutdown(wait=True)
+    return asked
+
+
+TUNNEL = (_messages.ShareUrlRequest(), _messages.ShareUrlDisconnect())
+
+
+def test_nobody_can_open_the_share_tunnel(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert asked_for_a_tunnel(monkeypatch, *TUNNEL) == []
 
 
 def test_without_the_guard_the_share_tunnel_would_open(monkeypatch: pytest.MonkeyPatch) -> None:
     """The test before this one means something only as long as the messages that it sends reach viser."""
-    asked: list[str] = []
-    monkeypatch.setattr(viser.ViserServer, "request_share_url", lambda self: asked.append("request"))
     monkeypatch.setattr(guard, "_close_share_tunnel", lambda server: None)
-    with running() as server, open_websocket(server) as websocket:
-        send(websocket, _messages.ShareUrlRequest())
-        Uploads(server).wait_until_read(websocket)
-        server._thread_executor.shutdown(wait=True)
-    assert asked == ["request"]
+    assert asked_for_a_tunnel(monkeypatch, *TUNNEL) == ["request", "disconnect"]
+
+
+@pytest.mark.parametrize("message", TUNNEL, ids=lambda message: type(message).__name__)
+def test_whoever_asks_for_the_share_tunnel_is_disconnected(server: viser.ViserServer, message: Any) -> None:
+    websocket = open_websocket(server)
+    send(websocket, message)
+    assert_disconnected(websocket, 1008)
+
+
+def test_no_other_page_may_frame_this_one(server: viser.ViserServer) -> None:
+    for path, status in (("/", 200), ("/missing", 404)):
+        response = get(server, path)
+        assert response.status == status
+        assert response.getheader("X-Frame-Options") == "DENY"
+        assert response.getheader("X-Content-Type-Options") == "nosniff"
+    assert get(server, Host="evil.example").getheader("X-Frame-Options") == "DENY"
 
 
 def test_an_upload_arrives() -> None:
@@ -250,17 +278,31 @@ def test_an_upload_arrives() -> None:
 def test_too_large_uploads_are_not_buffered() -> None:
     with running() as server, open_websocket(server) as websocket:
         uploads = Uploads(server)
-        uploads.start(websocket, "announced", MAX_UPLOAD + 1)
-        uploads.part(websocket, "announced", b"x" * 10)
-        uploads.start(websocket, "negative", -5)
-        uploads.start(websocket, "in parts", 10, parts=10**6)
         uploads.start(websocket, "understated", 10)
         uploads.part(websocket, "understated", b"x" * 11)
         uploads.start(websocket, "first", MAX_UPLOAD - 4)
         uploads.start(websocket, "second", 5)
+        for number, name in enumerate(["../a.yaml", "/etc/a.yaml", "a\\b.yaml", ".a.yaml", "a.exe", "a", "C:a.yaml"]):
+            uploads.start(websocket, f"name {number}", 0, file=name)
         uploads.wait_until_read(websocket)
         assert list(server.gui._current_file_upload_states) == ["first"]
     assert uploads.received == [b"last"]
+
+
+@pytest.mark.parametrize(("size", "parts"), [(MAX_UPLOAD + 1, 1), (-5, 1), (10, 10**6), (10, -1)])
+def test_whoever_announces_an_impossible_upload_is_disconnected(size: int, parts: int) -> None:
+    with running() as server:
+        uploads = Uploads(server)
+        websocket = open_websocket(server)
+        uploads.start(websocket, "huge", size, parts)
+        assert_disconnected(websocket, 1008)
+        assert server.gui._current_file_upload_states == {}
+
+
+def test_a_message_larger_than_any_upload_is_not_even_read(server: viser.ViserServer) -> None:
+    websocket = open_websocket(server)
+    websocket.send(b"x" * (MAX_MESSAGE + 1))
+    assert_disconnected(websocket, 1009)
 
 
 def test_a_busy_port_is_named_and_never_replaced_by_the_next() -> None:

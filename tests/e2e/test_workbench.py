@@ -75,6 +75,8 @@ def nothing_went_wrong(workbench: Workbench, page: Page, complaints: list[str]) 
     printed = workbench.log.read_text(errors="replace")
     assert "Traceback" not in printed
     assert "left out" not in printed
+    assert "refused" not in printed
+    assert "never sends" not in printed
 
 
 def choose_tab(page: Page, name: str) -> None:

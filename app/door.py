@@ -1,0 +1,349 @@
+"""What a browser may send: every websocket message passes here before viser, and thereby any callback, sees it.
+
+A message must be one of the few kinds that the workbench's page sends, with exactly their fields. A new value must be
+one that its widget declares: of its type, in its range, among its options, and the widget shown and enabled. Whatever
+kinds viser knows besides, and whatever widgets of other kinds it offers, is refused until it is listed here. What a
+value *means* (whether a name is taken, a number fits the document) is the business of the callbacks.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import math
+from collections.abc import Callable, Iterable
+from typing import Annotated, Any, Literal, assert_never
+
+import msgspec
+import viser
+from websockets.asyncio.server import ServerConnection
+from websockets.frames import CloseCode
+from websockets.typing import Data
+
+from app import clean
+from app.clean import MAX_UPLOAD, Refused
+
+MAX_MESSAGE = MAX_UPLOAD + (1 << 16)
+"""Most bytes of one message: an upload's part and its envelope."""
+
+MAX_NUMBER = 1e12
+"""Greatest magnitude of a number whose field declares no bounds, and of coordinates."""
+
+MAX_LINE, MAX_TEXT = 2_000, 20_000
+"""Most characters of a text field with one line and with several."""
+
+_MAX_PARTS = 64
+"""Most parts of an upload, and most uploads at once: 1 MiB comes in two parts."""
+_MAX_LOGGED = 20
+"""Refusals of one connection that are logged one by one."""
+
+_Id = Annotated[str, msgspec.Meta(max_length=64)]
+_Name = Annotated[str, msgspec.Meta(max_length=256)]
+_Count = Annotated[int, msgspec.Meta(ge=0, le=1 << 31)]
+_Two = tuple[float, float]
+_Three = tuple[float, float, float]
+_Modifier = Literal["cmd/ctrl", "alt", "shift", "cmd/ctrl+alt", "cmd/ctrl+shift", "alt+shift", "cmd/ctrl+alt+shift"]
+
+_log = logging.getLogger(__name__)
+
+
+class _Message(msgspec.Struct, frozen=True, tag_field="type", tag=True, forbid_unknown_fields=True):
+    """A message as viser's page sends it; the names of classes and fields are viser's."""
+
+
+class ViewerCameraMessage(_Message, frozen=True):
+    """Where the viewer looks from."""
+
+    wxyz: tuple[float, float, float, float]
+    position: _Three
+    fov: float
+    near: float
+    far: float
+    image_height: _Count
+    image_width: _Count
+    look_at: _Three
+    up_direction: _Three
+
+
+class Update(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The one property that a browser may set."""
+
+    value: Any
+
+
+class GuiUpdateMessage(_Message, frozen=True):
+    """A widget has a new value, or a button was pressed."""
+
+    uuid: _Id
+    updates: Update
+
+
+class CommandTriggerMessage(_Message, frozen=True):
+    """A hotkey was pressed, or a command chosen from the palette."""
+
+    uuid: _Id
+
+
+class SceneNodeClickMessage(_Message, frozen=True):
+    """Something in the scene was clicked."""
+
+    name: _Name
+    instance_index: _Count | None
+    ray_origin: _Three
+    ray_direction: _Three
+    screen_pos: _Two
+    modifier: _Modifier | None
+    owner: _Id = ""
+
+
+class SceneNodeDragMessage(_Message, frozen=True):
+    """Something in the scene is dragged."""
+
+    phase: Literal["start", "update", "end"]
+    name: _Name
+    instance_index: _Count | None
+    start_position: _Three
+    start_screen_pos: _Two
+    end_position: _Three
+    end_screen_pos: _Two
+    button: Literal["left", "middle", "right"]
+    modifier: _Modifier | None
+    owner: _Id = ""
+
+
+class FileTransferStartUpload(_Message, frozen=True):
+    """A file is about to be sent."""
+
+    source_component_uuid: _Id
+    transfer_uuid: _Id
+    filename: Annotated[str, msgspec.Meta(max_length=clean.MAX_NAME)]
+    mime_type: _Name
+    part_count: Annotated[int, msgspec.Meta(ge=0, le=_MAX_PARTS)]
+    size_bytes: Annotated[int, msgspec.Meta(ge=0, le=MAX_UPLOAD)]
+
+
+class FileTransferPart(_Message, frozen=True):
+    """A part of a file."""
+
+    source_component_uuid: _Id | None
+    transfer_uuid: _Id
+    part_index: Annotated[int, msgspec.Meta(ge=0, lt=_MAX_PARTS)]
+    content: bytes
+
+
+Message = (
+    ViewerCameraMessage
+    | GuiUpdateMessage
+    | CommandTriggerMessage
+    | SceneNodeClickMessage
+    | SceneNodeDragMessage
+    | FileTransferStartUpload
+    | FileTransferPart
+)
+
+_decoder = msgspec.msgpack.Decoder(Message)
+
+
+class StaleError(Refused):
+    """A message for what is no longer there, or not at the moment: nobody's fault, and nothing to say about it."""
+
+
+class Door:
+    """Decides which messages viser receives.
+
+    Args:
+        on_refused: Called on the event loop with a sentence about each value that was refused.
+
+    Attributes:
+        server: The server that the messages are for; None until it runs.
+    """
+
+    def __init__(self, on_refused: Callable[[str], None]) -> None:
+        self.server: viser.ViserServer | None = None
+        self._on_refused = on_refused
+
+    def connection_class(self) -> type[ServerConnection]:
+        """Return the class of connections that give viser only what passes."""
+        door = self
+
+        class GuardedConnection(ServerConnection):
+            _refusals = 0
+            _is_shut = False
+
+            async def recv(self, decode: bool | None = None) -> Any:
+                while True:
+                    # What came before is handled first, and other browsers get their turn.
+                    await asyncio.sleep(0)
+                    data = await super().recv(decode)
+                    try:
+                        if not self._is_shut:
+                            door.check(data)
+                    except msgspec.MsgspecError as error:  # nothing that the page sends
+                        _log.warning("a browser sent what the page never sends, and is disconnected: %s", error)
+                        self._is_shut = True
+                        await self.close(CloseCode.POLICY_VIOLATION, "not a message of this page")
+                    except StaleError as stale:
+                        _log.debug("ignored: %s", stale)
+                    except Refused as refusal:
+                        self._refusals += 1
+                        if self._refusals <= _MAX_LOGGED:
+                            _log.warning("refused: %s", refusal)
+                    else:
+                        if not self._is_shut:
+                            return data
+
+        return GuardedConnection
+
+    def check(self, data: Data) -> None:
+        """Return if viser may have a message.
+
+        Raises:
+            msgspec.MsgspecError: It is none that the page sends.
+            Refused: Its value is not one that its widget declares; the browser is told the present one.
+        """
+        if isinstance(data, str):
+            raise msgspec.ValidationError("a text frame")
+        try:
+            message = _decoder.decode(data)
+        except (RecursionError, UnicodeDecodeError) as error:
+            raise msgspec.ValidationError(str(error)) from error
+        server = self.server
+        if server is None:
+            raise StaleError("the workbench is starting")
+        match message:
+            case GuiUpdateMessage(uuid=uuid, updates=Update(value=value)):
+                self._check_update(server, uuid, value)
+            case CommandTriggerMessage(uuid=uuid):
+                if uuid not in server.gui._command_handle_from_uuid:
+                    raise StaleError("a command that is not there")
+            case SceneNodeClickMessage() | SceneNodeDragMessage():
+                _check_finite(message)
+                _check_instance(server, message.name, message.instance_index)
+            case ViewerCameraMessage():
+                _check_finite(message)
+            case FileTransferStartUpload():
+                _check_upload(server, message)
+            case FileTransferPart():
+                _check_part(server, message)
+            case _:
+                assert_never(message)
+
+    def _check_update(self, server: viser.ViserServer, uuid: str, value: object) -> None:
+        handle = server.gui._gui_input_handle_from_uuid.get(uuid)
+        if handle is None or handle._impl.removed:
+            raise StaleError("a widget that is not there")
+        try:
+            check_value(handle, value)
+        except Refused as refusal:
+            # The browser shows what it sent: tell it, and with it all others, what is.
+            if not isinstance(handle, viser.GuiButtonHandle | viser.GuiUploadButtonHandle):
+                handle._queue_update("value", handle._impl.value)
+            if not isinstance(refusal, StaleError):
+                self._on_refused(str(refusal))
+            raise
+
+
+def check_value(handle: Any, value: object) -> None:
+    """Return if a browser may give ``value`` to a widget.
+
+    Raises:
+        Refused: The widget does not declare it, or cannot be changed.
+    """
+    props, present = handle._impl.props, handle._impl.value
+    what = f"'{props.label}'" if getattr(props, "label", None) else "the value"
+    if props.disabled or not props.visible:
+        raise StaleError(f"{what} cannot be changed now")
+    match handle:
+        case viser.GuiButtonHandle() | viser.GuiCheckboxHandle():
+            clean.flag(value, what)
+        case viser.GuiButtonGroupHandle() | viser.GuiDropdownHandle():
+            clean.choice(value, props.options, what)
+        case viser.GuiSliderHandle():
+            _check_number(value, present, props.min, props.max, what)
+        case viser.GuiMultiSliderHandle():
+            _check_numbers(value, present, [props.min] * len(present), [props.max] * len(present), what)
+        case viser.GuiNumberHandle():
+            low = -MAX_NUMBER if props.min is None else props.min
+            _check_number(value, present, low, MAX_NUMBER if props.max is None else props.max, what)
+        case viser.GuiVector2Handle() | viser.GuiVector3Handle():
+            low = props.min or [-MAX_NUMBER] * len(present)
+            _check_numbers(value, present, low, props.max or [MAX_NUMBER] * len(present), what)
+        case viser.GuiRgbHandle() | viser.GuiRgbaHandle():
+            _check_numbers(value, present, [0] * len(present), [255] * len(present), what)
+        case viser.GuiTextHandle():
+            _check_text(value, props.multiline, what)
+        case _:
+            raise Refused(f"{what} is no widget that a browser gives a value")
+
+
+def _check_number(value: object, present: float, low: float, high: float, what: str) -> None:
+    number = clean.number(value, low, high, what)
+    if isinstance(present, int) and not number.is_integer():
+        raise Refused(f"{what} is {number:.12g}; valid is a whole number")
+
+
+def _check_numbers(
+    value: object, present: tuple[float, ...], low: Iterable[float], high: Iterable[float], what: str
+) -> None:
+    if not isinstance(value, list) or len(value) != len(present):
+        raise Refused(f"{what} are not {len(present)} numbers")
+    for one, was, least, most in zip(value, present, low, high, strict=True):
+        _check_number(one, was, least, most, what)
+
+
+def _check_text(value: object, is_multiline: bool, what: str) -> None:
+    text = clean.text(value, MAX_TEXT if is_multiline else MAX_LINE, what)
+    allowed = "\t\n\r" if is_multiline else "\t"
+    if any((character < " " and character not in allowed) or character == "\x7f" for character in text):
+        raise Refused(f"{what} holds control characters")
+
+
+def _check_finite(value: object) -> None:
+    """Refuse a message with a coordinate that is not finite."""
+    match value:
+        case float():
+            if not math.isfinite(value) or abs(value) > MAX_NUMBER:
+                raise Refused(f"a coordinate is {value:g}")
+        case msgspec.Struct():
+            _check_finite(msgspec.structs.astuple(value))
+        case tuple():
+            for one in value:
+                _check_finite(one)
+
+
+def _check_instance(server: viser.ViserServer, name: str, index: int | None) -> None:
+    handle = server.scene._handle_from_node_name.get(name)
+    if handle is None:
+        raise StaleError("something in the scene that is not there")
+    if index is not None:
+        positions = getattr(handle, "batched_positions", ())
+        if index >= len(positions):
+            raise StaleError(f"{name} has {len(positions)} instances, not a number {index}")
+
+
+def _check_upload(server: viser.ViserServer, message: FileTransferStartUpload) -> None:
+    """Refuse an upload that is not for a button, has no plain name of a known kind, or is too large with the others.
+
+    Viser buffers whatever arrives; its own table of transfers in flight is the truth about who still uploads.
+    """
+    handle = server.gui._gui_input_handle_from_uuid.get(message.source_component_uuid)
+    if not isinstance(handle, viser.GuiUploadButtonHandle) or handle.disabled or not handle.visible:
+        raise StaleError("an upload that nobody asked for")
+    clean.upload_name(message.filename)
+    in_flight = server.gui._current_file_upload_states
+    promised = sum(state["total_bytes"] for state in in_flight.values())
+    if message.transfer_uuid in in_flight or len(in_flight) >= _MAX_PARTS:
+        raise Refused("too many uploads at once")
+    if message.size_bytes > MAX_UPLOAD - promised:
+        raise Refused(f"{message.filename} has {message.size_bytes} bytes; all uploads together have {MAX_UPLOAD}")
+
+
+def _check_part(server: viser.ViserServer, message: FileTransferPart) -> None:
+    state = server.gui._current_file_upload_states.get(message.transfer_uuid)
+    if state is None:
+        raise StaleError("a part of no upload")
+    if state["transferred_bytes"] + len(message.content) > state["total_bytes"]:
+        with contextlib.suppress(KeyError):
+            del server.gui._current_file_upload_states[message.transfer_uuid]
+        raise Refused(f"{state['filename']} is longer than was announced")
