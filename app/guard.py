@@ -8,8 +8,10 @@ stands in this module and in :mod:`app.door`, which decides what may be sent by 
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import errno
+import hashlib
 import hmac
 import http
 import http.client
@@ -24,6 +26,7 @@ import time
 import urllib.parse
 from collections.abc import Callable, Iterator
 from http.cookies import CookieError, SimpleCookie
+from pathlib import Path
 from typing import Any, cast
 
 import viser
@@ -50,6 +53,22 @@ _HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
 }
 """What every answer forbids other pages: to frame this one and to catch clicks, to load it, to learn its address."""
+
+
+def content_security_policy() -> str:
+    """Return what the page may do: run viser's own script and what that loads, and talk to this server alone.
+
+    HTML that reaches the page, from whatever name or file, thereby runs nothing even if it was not escaped.
+    """
+    page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text(encoding="utf-8")
+    scripts = re.findall(r"<script[^>]*>(.*?)</script>", page, re.DOTALL)
+    digests = (base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts)
+    hashes = " ".join(f"'sha256-{digest}'" for digest in digests)
+    return (
+        f"default-src 'none'; script-src {hashes} 'strict-dynamic' 'unsafe-eval'; worker-src blob:; "
+        "style-src 'unsafe-inline'; img-src 'self' data: blob:; font-src data:; connect-src 'self' data: blob:; "
+        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    )
 
 
 class PortBusyError(OSError):
@@ -227,6 +246,7 @@ _serve_lock = threading.Lock()
 def _gated_serve(gate: Gate, door: Door) -> Iterator[list[int]]:
     """Put both before every websockets server that is started meanwhile; yields the list of their ports."""
     calls: list[int] = []
+    policy = content_security_policy()
     real = websockets.asyncio.server.serve
 
     def serve(handler: Any, host: Any, port: Any, *, process_request: Callable[..., Any], **options: Any) -> Any:
@@ -236,6 +256,7 @@ def _gated_serve(gate: Gate, door: Door) -> Iterator[list[int]]:
                 response = process_request(connection, request)
             if response is not None:
                 response.headers.update(_HEADERS)
+                response.headers["Content-Security-Policy"] = policy
             return response
 
         calls.append(port)

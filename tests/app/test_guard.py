@@ -265,6 +265,15 @@ def test_no_other_page_may_frame_this_one(server: viser.ViserServer) -> None:
     assert get(server, Host="evil.example").getheader("X-Frame-Options") == "DENY"
 
 
+def test_the_page_runs_no_script_but_its_own(server: viser.ViserServer) -> None:
+    """The hash is that of the one script in viser's page; what comes in as HTML has none."""
+    policy = get(server).getheader("Content-Security-Policy") or ""
+    directives = {words[0]: words[1:] for words in (part.split() for part in policy.split(";"))}
+    assert len([word for word in directives["script-src"] if word.startswith("'sha256-")]) == 1
+    assert "'unsafe-inline'" not in directives["script-src"]
+    assert directives["frame-ancestors"] == directives["default-src"] == directives["form-action"] == ["'none'"]
+
+
 def test_an_upload_arrives() -> None:
     with running() as server, open_websocket(server) as websocket:
         uploads = Uploads(server)
