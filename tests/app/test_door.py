@@ -28,6 +28,8 @@ from app.workbench import Workbench
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 LONG = "x" * 30_000
+PATIENCE = 120.0
+"""Seconds for what takes a tenth of one, unless kernels have to be compiled."""
 JUNK: list[Any] = [None, math.nan, [], {}, {"a": [1, {}]}, b"\xff", LONG]
 """No widget takes these."""
 
@@ -97,11 +99,18 @@ class Intruder:
     def handles(self) -> list[Any]:
         return list(self.workbench.server.gui._gui_input_handle_from_uuid.values())
 
+    def notes(self) -> Any:
+        return next(handle for handle in self.handles() if handle._impl.props.label == "notes")
+
 
 @pytest.fixture(scope="module")
 def workbench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workbench]:
     folder = Path(shutil.copytree(RULEBASES, tmp_path_factory.mktemp("door") / "rulebases"))
     started = Workbench(folder / "diagonal.yaml", port=0)
+    deadline = time.monotonic() + PATIENCE
+    while started.store.state.runs.current is None:  # a run changes what widgets show
+        assert time.monotonic() < deadline, "no run"
+        time.sleep(0.01)
     yield started
     started.stop()
 
@@ -130,6 +139,12 @@ def hostile_values(handle: Any) -> list[Any]:
             count = len(present)
             out = [[props.min] * (count + 1), [props.max] * (count - 1), [props.max + 1] * count, [math.nan] * count]
             return [*JUNK, *out, [None] * count, [str(one) for one in present], dict(enumerate(present))]
+        case viser.GuiVector2Handle() | viser.GuiVector3Handle() | viser.GuiRgbHandle() | viser.GuiRgbaHandle():
+            count = len(present)
+            out = [[MAX_NUMBER * 2] * count, [-MAX_NUMBER * 2] * count, [math.inf] * count, list(present) * 2]
+            return [*JUNK, *out, [None] * count, [str(one) for one in present], 1.0]
+        case viser.GuiUploadButtonHandle():
+            return [*JUNK, 1, "a.yaml", {"name": "a.yaml", "content": b"x"}]
         case viser.GuiTextHandle():
             return [None, 5, math.nan, True, ["a"], {}, b"bytes", LONG, "\x00", "\x1b[2J", "\x7f"]
         case _:
@@ -164,15 +179,14 @@ def test_of_every_widget_no_hostile_value_is_accepted(intruder: Intruder) -> Non
 
 def test_what_a_hand_can_enter_is_accepted(intruder: Intruder) -> None:
     """The test before this one means something only as long as messages like its own have an effect."""
-    coordinate = next(h for h in intruder.handles() if isinstance(h, viser.GuiTextHandle) and h.multiline)
-    intruder.update(coordinate, "remarks")
+    intruder.update(intruder.notes(), "remarks")
     intruder.wait_until_read()
     assert intruder.workbench.store.state.document.notes == "remarks"
 
 
 @pytest.mark.parametrize("prop", ["disabled", "hidden"])
 def test_a_widget_that_cannot_be_changed_is_not_changed(intruder: Intruder, prop: str) -> None:
-    notes = next(h for h in intruder.handles() if isinstance(h, viser.GuiTextHandle) and h.multiline)
+    notes = intruder.notes()
     before = intruder.workbench.store.state.document
     props: Any = notes._impl.props
     setattr(props, *{"disabled": ("disabled", True), "hidden": ("visible", False)}[prop])
