@@ -10,14 +10,13 @@ from typing import Any, Literal
 import msgspec
 from msgspec.structs import replace
 
-from fuzzy import formats
+from fuzzy import formats, sets
 from fuzzy.errors import InvalidSystemError
 from fuzzy.formats.yaml import nearest
 from fuzzy.partition import order
 from fuzzy.rules import all_rules, format_expression, propositions
-from fuzzy.shapes import PIECEWISE_LINEAR, Gaussian, Shape, Trapezoid, Triangle, parameters
-from fuzzy.system import And, Expression, FuzzySystem, Is, Not, Or, Output, Rule, RuleTable, Variable
-from fuzzy.validation import support_on, validate
+from fuzzy.system import And, Expression, FuzzySystem, Hedged, Is, Not, Or, Output, Rule, RuleTable, Variable
+from fuzzy.validation import validate
 
 Level = Literal["error", "warning", "hint"]
 
@@ -77,8 +76,8 @@ def gaps(variable: Variable) -> list[tuple[float, float]]:
     """Return the intervals and single points (low = high) of a variable's range at which every degree is 0."""
     ends = {variable.low, variable.high}
     for term in variable.terms:
-        ends.update(support_on(term.shape, variable.low, variable.high))
-        ends.update(value for value in parameters(term.shape) if variable.low <= value <= variable.high)
+        ends.update(sets.support(term, variable.low, variable.high))
+        ends.update(value for value in sets.break_points(term) if variable.low <= value <= variable.high)
     # Between two neighbouring ends every set is 0 throughout or nowhere.
     knots = sorted(end for end in ends if variable.low <= end <= variable.high)
     pieces = [(knots[0], knots[0])]
@@ -88,7 +87,7 @@ def gaps(variable: Variable) -> list[tuple[float, float]]:
     continues = False
     for left, right in pieces:
         middle = left + (right - left) / 2
-        is_gap = not any(_is_positive(term.shape, middle) for term in variable.terms)
+        is_gap = not any(sets.is_positive(term, middle) for term in variable.terms)
         if is_gap and continues:
             found[-1] = (found[-1][0], right)
         elif is_gap:
@@ -97,24 +96,14 @@ def gaps(variable: Variable) -> list[tuple[float, float]]:
     return found
 
 
-def _is_positive(shape: Shape, x: float) -> bool:
-    match shape:
-        case Triangle(a=a, b=b, c=c):
-            return a < x < c or x == b
-        case Trapezoid(a=a, b=b, c=c, d=d):
-            return a < x < d or b <= x <= c
-        case Gaussian(mean=mean, sigma=sigma):
-            return abs(x - mean) < 8 * sigma
-
-
 def _cover(variable: Variable) -> Iterator[Finding]:
     path = f"inputs.{variable.name}"
     for low, high in gaps(variable):
         where = f"at {low:g}" if low == high else f"from {low:g} to {high:g}"
         yield Finding("warning", f"no term of '{variable.name}' is above 0 {where}", f"{path}.terms")
     for term in variable.terms:
-        left, right = support_on(term.shape, variable.low, variable.high)
-        if left > right or (left == right and not _is_positive(term.shape, left)):
+        left, right = sets.support(term, variable.low, variable.high)
+        if left > right or (left == right and not sets.is_positive(term, left)):
             message = f"'{term.name}' is 0 in all of [{variable.low:g}, {variable.high:g}]: its rules never fire"
             yield Finding("warning", message, f"{path}.terms.{term.name}")
 
@@ -140,7 +129,7 @@ def _curved_sets(system: FuzzySystem) -> Iterator[Finding]:
     if system.inference.resolution != "exact":
         return
     for output in system.outputs:
-        curved = [f"'{term.name}'" for term in output.terms if not isinstance(term.shape, PIECEWISE_LINEAR)]
+        curved = [f"'{term.name}'" for term in output.terms if not sets.is_linear(term)]
         if curved:
             message = f"{', '.join(curved)} of '{output.name}' have no closed form: integrated by quadrature to 1e-9"
             yield Finding("hint", message, f"outputs.{output.name}.terms")
@@ -178,6 +167,8 @@ def _holds(expression: Expression, true: set[Is]) -> bool:
             return expression in true
         case Not(operand=operand):
             return not _holds(operand, true)
+        case Hedged(operand=operand, hedge=hedge):  # every other hedge keeps 0 and 1
+            return hedge == "any" or _holds(operand, true)
         case And(operands=operands):
             return all(_holds(operand, true) for operand in operands)
         case Or(operands=operands):
@@ -264,6 +255,8 @@ def _meaning(expression: Expression) -> Any:
             return expression
         case Not(operand=operand):
             return ("not", _meaning(operand))
+        case Hedged(operand=operand, hedge=hedge):
+            return (hedge, _meaning(operand))
         case And(operands=operands) | Or(operands=operands):
             return (type(expression), frozenset(_meaning(operand) for operand in operands))
 

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from fuzzy.shapes import Segment
+from fuzzy.sets import Segment
 
 Polynomial = tuple[float, float, float, float, float, float, float, float]
 
@@ -61,12 +61,20 @@ def sides(segments: Sequence[Segment], points: Sequence[float]) -> list[tuple[in
     ]
 
 
-def cells(segments: Sequence[Segment], points: Sequence[float]) -> list[tuple[int, Line]]:
-    """Return the cells in which a set is not 0, and the set's line there; see ``InputTables`` for cells."""
+def cells(segments: Sequence[Segment], points: Sequence[float], *, is_open: bool = False) -> list[tuple[int, Line]]:
+    """Return the cells in which a set is not 0, and the set's line there; see ``InputTables`` for cells.
+
+    Args:
+        segments: The set.
+        points: The knots.
+        is_open: Whether the set has the smaller degree at a jump, as a closed set's complement has; a closed set has
+            the larger one.
+    """
     found = [(2 * interval + 2, line(segment)) for interval, segment in sides(segments, points)]
+    chosen = min if is_open else max
     for knot, x in enumerate(points):
-        # The set is closed: at a jump it has the larger degree.
-        at_knot = max((degree(segment, x) for segment in segments if segment.left <= x <= segment.right), default=0.0)
+        here = (degree(segment, x) for segment in segments if segment.left <= x <= segment.right)
+        at_knot = chosen(here, default=0.0)
         if at_knot > 0.0:
             found.append((2 * knot + 1, Line(0.0, math.inf, at_knot)))
     return found

@@ -12,8 +12,9 @@ from typing import NamedTuple
 
 from msgspec.structs import replace
 
+from fuzzy.conversion import outline
 from fuzzy.errors import InvalidSystemError, expected
-from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle, kind, parameter_names
+from fuzzy.shapes import Linear, Shape, Trapezoid, Triangle, kind, parameter_names
 from fuzzy.system import Term
 
 
@@ -26,14 +27,17 @@ class _Side(NamedTuple):
 
 
 def core(shape: Shape) -> tuple[float, float]:
-    """Return the ends of the interval on which a shape is 1."""
+    """Return the ends of the interval on which a shape is 1; infinite on an open side."""
     match shape:
         case Triangle(b=b):
             return b, b
         case Trapezoid(b=b, c=c):
             return b, c
-        case Gaussian(mean=mean):
-            return mean, mean
+        case Linear(constant=constant):  # no set: where it is for inputs 0
+            return constant, constant
+        case _:
+            found = outline(shape)
+            return found.top_left, found.top_right
 
 
 def order(terms: tuple[Term, ...]) -> list[int]:

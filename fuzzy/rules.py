@@ -5,26 +5,33 @@ The language, keywords in any case, names exactly as they are written::
     rule        = "if" expression "then" consequent {"," consequent} ["with" weight]
     expression  = conjunction {"or" conjunction}
     conjunction = factor {"and" factor}
-    factor      = "not" factor | "(" expression ")" | variable "is" ["not"] term
+    factor      = ("not" | hedge) factor | "(" expression ")" | variable "is" {"not" | hedge} term
     consequent  = output "is" term
+    hedge       = "very" | "extremely" | "somewhat" | ...
 
-NOT binds tighter than AND, AND tighter than OR (IEC 61131-7). A name that holds a blank, a bracket, a comma or a
-double quote, or that is a keyword, stands in double quotes; a double quote in it is doubled.
+NOT and hedges bind tighter than AND, AND tighter than OR (IEC 61131-7); of several before a term the last one is
+applied first. The variable is an input, or an output that the rules before conclude on. A name that holds a blank, a
+bracket, a comma or a double quote, or that is a keyword or a hedge, stands in double quotes; a double quote in it is
+doubled. A hedge's word that no hedge could be there is a name without them, too.
 """
 
 from __future__ import annotations
 
 import re
+import typing
 from collections.abc import Iterable
 
 from fuzzy.errors import FormatError, expected
-from fuzzy.system import And, Expression, FuzzySystem, Is, Not, Or, Rule, Variable
+from fuzzy.system import And, Expression, FuzzySystem, Hedge, Hedged, Is, Not, Or, Rule, Variable
 
 KEYWORDS = frozenset({"if", "then", "is", "not", "and", "or", "with"})
 """Words that are names only in double quotes."""
 
+HEDGES: dict[str, Hedge] = {hedge: hedge for hedge in typing.get_args(Hedge)}
+"""Words of the linguistic hedges."""
+
 MAX_DEPTH = 16
-"""Greatest nesting of NOT, AND and OR in an antecedent."""
+"""Greatest nesting of NOT, hedges, AND and OR in an antecedent."""
 
 MAX_PROPOSITIONS = 64
 """Greatest number of propositions in an antecedent, and of consequents in a rule."""
@@ -65,10 +72,11 @@ def format_expression(expression: Expression) -> str:
     match expression:
         case Is():
             return _proposition(expression)
-        case Not(operand=Is(variable=variable, term=term)):
-            return f"{_quoted(variable)} is not {_quoted(term)}"
-        case Not(operand=operand):
-            return f"not ({format_expression(operand)})"
+        case Not() | Hedged():
+            words, operand = _prefix(expression)
+            if isinstance(operand, Is):
+                return f"{_quoted(operand.variable)} is {words} {_quoted(operand.term)}"
+            return f"{words} ({format_expression(operand)})"
         case And(operands=operands):
             return " and ".join(_operand(operand, And | Or) for operand in operands)
         case Or(operands=operands):
@@ -114,18 +122,18 @@ def propositions(expression: Expression) -> list[Is]:
     match expression:
         case Is():
             return [expression]
-        case Not(operand=operand):
+        case Not(operand=operand) | Hedged(operand=operand):
             return propositions(operand)
         case And(operands=operands) | Or(operands=operands):
             return [proposition for operand in operands for proposition in propositions(operand)]
 
 
 def depth(expression: Expression) -> int:
-    """Return how many NOT, AND and OR stand above the deepest proposition."""
+    """Return how many NOT, hedges, AND and OR stand above the deepest proposition."""
     match expression:
         case Is():
             return 0
-        case Not(operand=operand):
+        case Not(operand=operand) | Hedged(operand=operand):
             return 1 + depth(operand)
         case And(operands=operands) | Or(operands=operands):
             return 1 + max((depth(operand) for operand in operands), default=0)
@@ -133,6 +141,16 @@ def depth(expression: Expression) -> int:
 
 def _terms_of(system: FuzzySystem, variable: str) -> list[str]:
     return next([term.name for term in entry.terms] for entry in system.inputs if entry.name == variable)
+
+
+def _prefix(expression: Not | Hedged) -> tuple[str, Expression]:
+    """Return the words "not" and hedges before an expression, and that expression."""
+    words: list[str] = []
+    inner: Expression = expression
+    while isinstance(inner, Not | Hedged):
+        words.append("not" if isinstance(inner, Not) else inner.hedge)
+        inner = inner.operand
+    return " ".join(words), inner
 
 
 def _operand(operand: Expression, bracketed: object) -> str:
@@ -145,7 +163,7 @@ def _proposition(proposition: Is) -> str:
 
 
 def _quoted(name: str) -> str:
-    if _BARE_NAME.fullmatch(name) and name.lower() not in KEYWORDS:
+    if _BARE_NAME.fullmatch(name) and name.lower() not in KEYWORDS and name.lower() not in HEDGES:
         return name
     return '"' + name.replace('"', '""') + '"'
 
@@ -157,6 +175,7 @@ class _Parser:
         self.text = text
         self.inputs: dict[str, Variable] = {variable.name: variable for variable in system.inputs}
         self.outputs: dict[str, Variable] = {variable.name: variable for variable in system.outputs}
+        self.variables = self.inputs | self.outputs
         self.count = 0
         self.end = 0
         self.advance()
@@ -194,6 +213,18 @@ class _Parser:
         if not self.accept(word):
             raise self.unexpected(f"'{word}'{alternatives}")
 
+    def accept_hedge(self, following: str) -> Hedge | None:
+        """Step over a hedge where one comes next and what follows is none of the ``following`` words."""
+        hedge = HEDGES.get(self.word.lower())
+        if hedge is None:
+            return None
+        place = (self.start, self.end, self.word, self.is_keyword)
+        self.advance()
+        if self.word.lower() in following.split("|"):
+            self.start, self.end, self.word, self.is_keyword = place
+            return None
+        return hedge
+
     def rule(self) -> Rule:
         """Read the whole text."""
         self.require("if")
@@ -228,9 +259,11 @@ class _Parser:
     def factor(self, level: int) -> Expression:
         """Read a negation, a bracket or a proposition."""
         if level > _MAX_BRACKETS:
-            raise self.error(f"'not' and '(' are nested more than {_MAX_BRACKETS} deep")
+            raise self.error(f"'not', hedges and '(' are nested more than {_MAX_BRACKETS} deep")
         if self.accept("not"):
             return Not(self.factor(level + 1))
+        if hedge := self.accept_hedge("is"):
+            return Hedged(self.factor(level + 1), hedge)
         if self.accept("("):
             inner = self.expression(level + 1)
             self.require(")", ", 'and' or 'or'")
@@ -238,13 +271,19 @@ class _Parser:
         self.count += 1
         if self.count > MAX_PROPOSITIONS:
             raise self.error(f"an antecedent has at most {MAX_PROPOSITIONS} propositions")
-        variable = self.variable(
-            self.inputs, "an input, 'not' or '('", self.outputs, "output, an antecedent names inputs"
-        )
+        variable = self.variable(self.variables, "an input, 'not', a hedge or '('", {}, "")
         self.require("is")
-        negated = self.accept("not")
-        proposition = Is(variable.name, self.term(variable))
-        return Not(proposition) if negated else proposition
+        return self.proposition(variable, level)
+
+    def proposition(self, variable: Variable, level: int) -> Expression:
+        """Read "not", hedges and a term."""
+        if level > _MAX_BRACKETS:
+            raise self.error(f"'not', hedges and '(' are nested more than {_MAX_BRACKETS} deep")
+        if self.accept("not"):
+            return Not(self.proposition(variable, level + 1))
+        if hedge := self.accept_hedge("and|or|then|)|"):
+            return Hedged(self.proposition(variable, level + 1), hedge)
+        return Is(variable.name, self.term(variable))
 
     def consequent(self) -> Is:
         """Read "output is term"."""

@@ -1,19 +1,25 @@
 """Membership functions: one closed union of shapes and their invariants.
 
-A shape is data; its degrees are computed by :mod:`fuzzy.kernels.membership`, here and in every controller alike.
+A shape is data; :mod:`fuzzy.sets` says what a term makes of it, :mod:`fuzzy.kernels.membership` computes its degrees.
+
+References:
+    IEC 61131-7:2000; IEEE 1855-2016; MATLAB's Fuzzy Logic Toolbox for bell, sigmoid, s, z, pi and gaussian2;
+    fuzzylite 6 for cosine, spike and concave.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, assert_never
+from collections.abc import Callable, Sequence
+from typing import Any, assert_never
 
 import msgspec
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from msgspec.structs import replace
 
 from fuzzy.errors import InvalidSystemError, expected
-from fuzzy.kernels import membership
+
+MAX_POINTS = 1000
+"""Greatest number of points of a set that is given by points."""
 
 
 class Triangle(msgspec.Struct, frozen=True, tag="triangle"):
@@ -33,6 +39,35 @@ class Trapezoid(msgspec.Struct, frozen=True, tag="trapezoid"):
     d: float
 
 
+class Rectangle(msgspec.Struct, frozen=True, tag="rectangle"):
+    """1 on [a, b], both ends included; one of them may be infinite."""
+
+    a: float
+    b: float
+
+
+class Ramp(msgspec.Struct, frozen=True, tag="ramp"):
+    """0 up to ``start``, 1 from ``end`` on, a line between; it falls where ``end`` is to the left of ``start``."""
+
+    start: float
+    end: float
+
+
+class Singleton(msgspec.Struct, frozen=True, tag="singleton"):
+    """1 at ``value`` alone; as an output's term also the constant of a Sugeno system of order 0."""
+
+    value: float
+
+
+class Points(msgspec.Struct, frozen=True, tag="points"):
+    """Lines through the points (x, degree), constant outside; two points at one x are a jump, with the larger degree.
+
+    The source paper's numerical definition.
+    """
+
+    points: tuple[tuple[float, float], ...]
+
+
 class Gaussian(msgspec.Struct, frozen=True, tag="gaussian"):
     """exp(-(x - mean)² / (2 sigma²))."""
 
@@ -40,16 +75,151 @@ class Gaussian(msgspec.Struct, frozen=True, tag="gaussian"):
     sigma: float
 
 
-Shape = Triangle | Trapezoid | Gaussian
+class Gaussian2(msgspec.Struct, frozen=True, tag="gaussian2"):
+    """Gaussian flanks, left of ``left_mean`` and right of ``right_mean``, and 1 between; their product if they cross.
 
-SHAPES: tuple[type[Shape], ...] = (Triangle, Trapezoid, Gaussian)
-"""All kinds of shapes, in the order in which they are offered."""
+    An infinite mean, -inf on the left or inf on the right, is an open shoulder.
+    """
 
-_HALF_WIDTH = math.sqrt(2.0 * math.log(2.0))
-"""Distance from a Gaussian's mean to where its degree is 1/2, in sigmas."""
+    left_mean: float
+    left_sigma: float
+    right_mean: float
+    right_sigma: float
 
-PIECEWISE_LINEAR = (Triangle, Trapezoid)
-"""Shapes whose centroids have a closed form."""
+
+class Bell(msgspec.Struct, frozen=True, tag="bell"):
+    """1 / (1 + |(x - center) / width|^(2 slope))."""
+
+    center: float
+    width: float
+    slope: float
+
+
+class Sigmoid(msgspec.Struct, frozen=True, tag="sigmoid"):
+    """1 / (1 + exp(-slope (x - center))); falling where the slope is negative."""
+
+    center: float
+    slope: float
+
+
+class SigmoidDifference(msgspec.Struct, frozen=True, tag="sigmoid_difference"):
+    """|left - right| of two sigmoids."""
+
+    left_center: float
+    left_slope: float
+    right_center: float
+    right_slope: float
+
+
+class SigmoidProduct(msgspec.Struct, frozen=True, tag="sigmoid_product"):
+    """left · right of two sigmoids."""
+
+    left_center: float
+    left_slope: float
+    right_center: float
+    right_slope: float
+
+
+class SShape(msgspec.Struct, frozen=True, tag="s_shape"):
+    """Two parabolas that rise from 0 at ``a`` through 1/2 in the middle to 1 at ``b``."""
+
+    a: float
+    b: float
+
+
+class ZShape(msgspec.Struct, frozen=True, tag="z_shape"):
+    """Two parabolas that fall from 1 at ``a`` through 1/2 in the middle to 0 at ``b``."""
+
+    a: float
+    b: float
+
+
+class PiShape(msgspec.Struct, frozen=True, tag="pi_shape"):
+    """The product of an s shape from ``a`` to ``b`` and a z shape from ``c`` to ``d``."""
+
+    a: float
+    b: float
+    c: float
+    d: float
+
+
+class Cosine(msgspec.Struct, frozen=True, tag="cosine"):
+    """(1 + cos(2π (x - center) / width)) / 2 within half a width of the center."""
+
+    center: float
+    width: float
+
+
+class Spike(msgspec.Struct, frozen=True, tag="spike"):
+    """exp(-10 |x - center| / width)."""
+
+    center: float
+    width: float
+
+
+class Concave(msgspec.Struct, frozen=True, tag="concave"):
+    """A hyperbola, 1/2 at ``inflection`` and 1 from ``end`` on; it falls where ``end`` is to the left."""
+
+    inflection: float
+    end: float
+
+
+class Linear(msgspec.Struct, frozen=True, tag="linear"):
+    """No set but a function of the inputs, Σ coefficient · input + constant: an output's term in a Sugeno system."""
+
+    coefficients: tuple[float, ...]
+    constant: float
+
+
+Shape = (
+    Triangle
+    | Trapezoid
+    | Rectangle
+    | Ramp
+    | Singleton
+    | Points
+    | Gaussian
+    | Gaussian2
+    | Bell
+    | Sigmoid
+    | SigmoidDifference
+    | SigmoidProduct
+    | SShape
+    | ZShape
+    | PiShape
+    | Cosine
+    | Spike
+    | Concave
+    | Linear
+)
+
+SHAPES: tuple[type[Shape], ...] = (
+    Triangle,
+    Trapezoid,
+    Gaussian,
+    Gaussian2,
+    Bell,
+    Sigmoid,
+    SigmoidDifference,
+    SigmoidProduct,
+    SShape,
+    ZShape,
+    PiShape,
+    Ramp,
+    Rectangle,
+    Singleton,
+    Points,
+    Cosine,
+    Spike,
+    Concave,
+)
+"""All kinds of fuzzy sets, in the order in which they are offered."""
+
+KINDS: tuple[type[Shape], ...] = (*SHAPES, Linear)
+"""All kinds that a term may have."""
+
+PIECEWISE_LINEAR = (Triangle, Trapezoid, Rectangle, Ramp, Singleton, Points)
+"""Shapes whose defuzzification has a closed form."""
 
 
 def kind(shape: Shape | type[Shape]) -> str:
@@ -59,137 +229,220 @@ def kind(shape: Shape | type[Shape]) -> str:
 
 
 def parameter_names(shape: Shape | type[Shape]) -> tuple[str, ...]:
-    """Return the names of a shape's parameters, in their order in files."""
-    return shape.__struct_fields__
+    """Return the names of a shape's parameters, in their order in files.
+
+    For shapes of any number of parameters these are the names of the given shape's own: x1, y1, x2 ... of points, c1,
+    c2 ... and constant of a linear function; of the type alone, one name that stands for all.
+    """
+    match shape:
+        case Points(points=points):
+            return tuple(f"{axis}{i}" for i in range(1, len(points) + 1) for axis in "xy")
+        case Linear(coefficients=coefficients):
+            return (*(f"c{i}" for i in range(1, len(coefficients) + 1)), "constant")
+        case _:
+            return shape.__struct_fields__
 
 
 def parameters(shape: Shape) -> tuple[float, ...]:
     """Return a shape's parameters, in the order of ``parameter_names``."""
-    return tuple(float(getattr(shape, name)) for name in shape.__struct_fields__)
-
-
-def encode(shape: Shape) -> tuple[int, tuple[float, float, float, float]]:
-    """Return a shape as the kernels read it: its code and four parameters, see :mod:`fuzzy.kernels.membership`."""
     match shape:
-        case Triangle(a=a, b=b, c=c):
-            return membership.TRAPEZOID, (a, b, b, c)
-        case Trapezoid(a=a, b=b, c=c, d=d):
-            return membership.TRAPEZOID, (a, b, c, d)
-        case Gaussian(mean=mean, sigma=sigma):
-            return membership.GAUSSIAN, (mean, sigma, 0.0, 0.0)
+        case Points(points=points):
+            return tuple(float(value) for point in points for value in point)
+        case Linear(coefficients=coefficients, constant=constant):
+            return (*map(float, coefficients), float(constant))
         case _:
-            assert_never(shape)
+            return tuple(float(getattr(shape, name)) for name in shape.__struct_fields__)
 
 
-def degrees(shape: Shape, x: ArrayLike) -> NDArray[np.float64]:
-    """Return the membership degree of every value of ``x``.
-
-    Args:
-        shape: A valid shape.
-        x: Crisp values of any shape, in the variable's unit.
-
-    Returns:
-        Degrees in [0, 1], of the shape of ``x``.
-    """
-    values = np.asarray(x, dtype=np.float64)
-    degree = np.empty(values.size)
-    code, four = encode(shape)
-    membership.degrees(code, np.array(four), values.ravel(), degree)
-    return degree.reshape(values.shape)
-
-
-class Segment(NamedTuple):
-    """A straight part of a membership function; where the ends are infinite or the same, so are the degrees."""
-
-    left: float
-    right: float
-    at_left: float
-    at_right: float
-
-
-def segments(shape: Shape) -> tuple[Segment, ...]:
-    """Return the straight parts of a piecewise-linear shape from left to right, closed at both ends; () if curved."""
-    match shape:
-        case Triangle(a=a, b=b, c=d):
-            c = b
-        case Trapezoid(a=a, b=b, c=c, d=d):
-            pass
-        case Gaussian():
-            return ()
-        case _:
-            assert_never(shape)
-    rise = Segment(a, b, 1.0 if math.isinf(a) else 0.0, 1.0)
-    fall = Segment(c, d, 1.0, 1.0 if math.isinf(d) else 0.0)
-    return (*((rise,) if a < b else ()), Segment(b, c, 1.0, 1.0), *((fall,) if c < d else ()))
-
-
-def break_points(shape: Shape) -> tuple[float, ...]:
-    """Return the finite points at which a piecewise-linear shape bends, or a curved shape's centre."""
-    match shape:
-        case Gaussian(mean=mean):
-            return (mean,)
-        case _:
-            return tuple(value for value in parameters(shape) if math.isfinite(value))
-
-
-def converted(shape: Shape, wanted: str) -> Shape:
-    """Return another kind of shape that is 1 in the same place and crosses 1/2 at the same points.
-
-    A side that is open stays open where the wanted kind can be; a Gaussian takes the width of its finite sides.
-
-    Args:
-        shape: A valid shape.
-        wanted: The schema's word for the wanted kind.
+def build(word: str, values: Sequence[float]) -> Shape:
+    """Return the shape of a kind with these parameters, in the order of ``parameter_names``; not yet validated.
 
     Raises:
-        InvalidSystemError: No such kind.
+        InvalidSystemError: No such kind, or another number of parameters.
     """
-    kinds = {kind(entry): entry for entry in SHAPES}
-    if wanted not in kinds:
-        raise InvalidSystemError(f"unknown shape {expected(wanted, kinds)}")
-    if wanted == kind(shape):
-        return shape
+    kinds = {kind(entry): entry for entry in KINDS}
+    if word not in kinds:
+        raise InvalidSystemError(f"unknown shape {expected(word, kinds)}")
+    if word == kind(Points):
+        if not values or len(values) % 2:
+            raise InvalidSystemError(f"points are pairs of x and degree, found {len(values)} numbers")
+        return Points(tuple(zip(values[::2], values[1::2], strict=True)))
+    if word == kind(Linear):
+        if not values:
+            raise InvalidSystemError("a linear function needs a coefficient for each input and a constant, found none")
+        return Linear(tuple(values[:-1]), values[-1])
+    names = kinds[word].__struct_fields__
+    if len(values) != len(names):
+        raise InvalidSystemError(f"a {word} has {len(names)} parameters ({', '.join(names)}), found {len(values)}")
+    fixed: Any = kinds[word]
+    return fixed(*values)
+
+
+def locations(shape: Shape) -> tuple[float, ...]:
+    """Return those parameters of a shape that are places on its universe."""
+    places = location_names(shape)
+    return tuple(value for name, value in zip(parameter_names(shape), parameters(shape), strict=True) if name in places)
+
+
+def location_names(shape: Shape) -> tuple[str, ...]:
+    """Return the names of those parameters of a shape that are places on its universe."""
     match shape:
-        case Triangle(a=a, b=b, c=c):
-            half_left, top_left, top_right, half_right = (a + b) / 2, b, b, (b + c) / 2
-        case Trapezoid(a=a, b=b, c=c, d=d):
-            half_left, top_left, top_right, half_right = (a + b) / 2, b, c, (c + d) / 2
+        case Points():
+            return parameter_names(shape)[::2]
+        case Linear():
+            return ()
+        case _:
+            return tuple(name for name in shape.__struct_fields__ if not name.endswith(("sigma", "width", "slope")))
+
+
+def with_parameter(shape: Shape, name: str, value: float) -> Shape:
+    """Return a shape with one other parameter, by its name in ``parameter_names``; not yet validated.
+
+    Raises:
+        InvalidSystemError: No parameter of that name.
+    """
+    names = parameter_names(shape)
+    if name not in names:
+        raise InvalidSystemError(f"unknown parameter {expected(name, names)}")
+    values = list(parameters(shape))
+    values[names.index(name)] = value
+    return build(kind(shape), values)
+
+
+def reflected(shape: Shape, middle: float) -> Shape:
+    """Return the mirror image of a set about a place; a linear function stays as it is."""
+    match shape:
+        case SShape(a=a, b=b):
+            return ZShape(2 * middle - b, 2 * middle - a)
+        case ZShape(a=a, b=b):
+            return SShape(2 * middle - b, 2 * middle - a)
+        case Gaussian2(left_mean=left, left_sigma=left_sigma, right_mean=right, right_sigma=right_sigma):
+            return Gaussian2(2 * middle - right, right_sigma, 2 * middle - left, left_sigma)
+        case Sigmoid(center=center, slope=slope):
+            return Sigmoid(2 * middle - center, -slope)
+        case SigmoidDifference() | SigmoidProduct():
+            left, left_slope, right, right_slope = parameters(shape)
+            return type(shape)(2 * middle - right, -right_slope, 2 * middle - left, -left_slope)
+        case Gaussian(mean=mean):
+            return replace(shape, mean=2 * middle - mean)
+        case Bell(center=center) | Cosine(center=center) | Spike(center=center):
+            return replace(shape, center=2 * middle - center)
+        case Points(points=points):
+            return Points(tuple((2 * middle - x, degree) for x, degree in reversed(points)))
+        case Triangle() | Trapezoid() | Rectangle() | PiShape() | Singleton():
+            return type(shape)(*(2 * middle - value for value in reversed(parameters(shape))))
+        case Ramp() | Concave():
+            return type(shape)(*(2 * middle - value for value in parameters(shape)))
+        case Linear():
+            return shape
+        case _:
+            assert_never(shape)
+
+
+def moved(shape: Shape, place: Callable[[float], float], factor: float) -> Shape:
+    """Return a set whose universe was shifted and stretched.
+
+    Args:
+        shape: A set; a linear function stays as it is.
+        place: Where a point of the universe goes; infinite ones stay.
+        factor: By how much lengths are stretched, greater than 0.
+    """
+    match shape:
+        case Linear():
+            return shape
+        case Points(points=points):
+            return Points(tuple((place(x), degree) for x, degree in points))
+        case Sigmoid(center=center, slope=slope):
+            return Sigmoid(place(center), slope / factor)
+        case SigmoidDifference() | SigmoidProduct():
+            left, left_slope, right, right_slope = parameters(shape)
+            return type(shape)(place(left), left_slope / factor, place(right), right_slope / factor)
+        case Gaussian2(left_mean=left, right_mean=right):
+            left, right = (place(value) if math.isfinite(value) else value for value in (left, right))
+            return Gaussian2(left, shape.left_sigma * factor, right, shape.right_sigma * factor)
         case Gaussian(mean=mean, sigma=sigma):
-            half = _HALF_WIDTH * sigma
-            half_left, top_left, top_right, half_right = mean - half, mean, mean, mean + half
-    top = (top_left + top_right) / 2
-    if wanted == "gaussian":
-        halves = [width for width in (top - half_left, half_right - top) if math.isfinite(width) and width > 0]
-        return Gaussian(top, sum(halves) / len(halves) / _HALF_WIDTH if halves else 1.0)
-    if wanted == "triangle":
-        return Triangle(2 * half_left - top, top, 2 * half_right - top)
-    # A plateau that reaches half way from the top to the points of degree 1/2.
-    left = (half_left + top) / 2 if math.isfinite(half_left) else top
-    right = (half_right + top) / 2 if math.isfinite(half_right) else top
-    return Trapezoid(2 * half_left - left, left, right, 2 * half_right - right)
+            return Gaussian(place(mean), sigma * factor)
+        case Bell() | Cosine() | Spike():
+            return replace(shape, center=place(shape.center), width=shape.width * factor)
+        case _:
+            return type(shape)(*(place(value) if math.isfinite(value) else value for value in parameters(shape)))
 
 
 def validate(shape: Shape, path: str = "") -> None:
-    """Refuse a shape that is no fuzzy set.
+    """Refuse a shape that is no fuzzy set (or, if it is linear, no function).
 
     Raises:
         InvalidSystemError: With ``path``, the values found and the order that is valid.
     """
     values = parameters(shape)
-    text = f"{kind(shape)} [{', '.join(f'{value:g}' for value in values)}]"
+    text = f"{kind(shape)} [{', '.join(f'{value:g}' for value in values[:8])}{', …' if len(values) > 8 else ''}]"
     if any(math.isnan(value) for value in values):
         raise InvalidSystemError(f"{text} holds a value that is not a number", path)
+    wrong = _fault(shape, values)
+    if wrong:
+        raise InvalidSystemError(text + wrong, path)
+
+
+def _fault(shape: Shape, values: tuple[float, ...]) -> str:  # noqa: C901
+    """Return what is wrong with a shape's values, or an empty text."""
     match shape:
-        case Gaussian(mean=mean, sigma=sigma):
-            if not (math.isfinite(mean) and math.isfinite(sigma) and sigma > 0):
-                raise InvalidSystemError(f"{text}: mean must be finite and sigma finite and greater than 0", path)
         case Triangle() | Trapezoid():
-            names = " ≤ ".join(parameter_names(shape))
-            if list(values) != sorted(values):
-                raise InvalidSystemError(f"{text} is not in order: valid is {names}", path)
-            if not all(math.isfinite(value) for value in values[1:-1]):
-                raise InvalidSystemError(f"{text}: only the outer values may be infinite (.inf, -.inf)", path)
-            if values[0] == math.inf or values[-1] == -math.inf:
-                raise InvalidSystemError(f"{text}: an open shoulder is -.inf on the left or .inf on the right", path)
-            if len(values) == 3 and math.isinf(values[0]) and math.isinf(values[2]):
-                raise InvalidSystemError(f"{text} is 1 everywhere: at most one side may be open", path)
+            return _corner_fault(shape, values, values[1:-1])
+        case Rectangle():
+            return _corner_fault(shape, values, ())
+        case Gaussian2(left_mean=left, right_mean=right):
+            sigmas = (shape.left_sigma, shape.right_sigma)
+            if not all(math.isfinite(sigma) and sigma > 0 for sigma in sigmas):
+                return ": both sigmas must be finite and greater than 0"
+            if left == math.inf or right == -math.inf:
+                return ": an open shoulder is -.inf on the left or .inf on the right"
+            return ": at most one side may be open" if math.isinf(left) and math.isinf(right) else ""
+        case Points(points=points):
+            if not 1 <= len(points) <= MAX_POINTS:
+                return f": {len(points)} points; valid are 1 to {MAX_POINTS}"
+            if not all(map(math.isfinite, values)):
+                return ": all points must be finite"
+            if not all(0 <= degree <= 1 for _, degree in points):
+                return ": a degree lies outside 0 to 1"
+            places = [x for x, _ in points]
+            if places != sorted(places):
+                return " is not in order: valid is x1 ≤ x2 ≤ …"
+            return ": more than two points stand at one x" if _is_thrice(places) else ""
+    if not all(map(math.isfinite, values)):
+        return ": all values must be finite"
+    match shape:
+        case Gaussian(sigma=sigma):
+            return "" if sigma > 0 else ": mean must be finite and sigma finite and greater than 0"
+        case Bell():
+            return "" if shape.width > 0 and shape.slope > 0 else ": width and slope must be greater than 0"
+        case Cosine(width=width) | Spike(width=width):
+            return "" if width > 0 else ": width must be greater than 0"
+        case Ramp(start=start, end=end):
+            return "" if start != end else ": start and end must differ (a jump is a rectangle)"
+        case Concave(inflection=inflection, end=end):
+            return "" if inflection != end else ": inflection and end must differ"
+        case SShape(a=a, b=b) | ZShape(a=a, b=b):
+            return "" if a <= b else " is not in order: valid is a ≤ b"
+        case PiShape(a=a, b=b, c=c, d=d):
+            return "" if a <= b and c <= d and a <= d else " is not in order: valid is a ≤ b, c ≤ d and a ≤ d"
+        case Sigmoid() | SigmoidDifference() | SigmoidProduct() | Singleton() | Linear():
+            return ""
+        case _:
+            assert_never(shape)
+
+
+def _corner_fault(shape: Shape, values: tuple[float, ...], inner: tuple[float, ...]) -> str:
+    if list(values) != sorted(values):
+        return f" is not in order: valid is {' ≤ '.join(parameter_names(shape))}"
+    if not all(map(math.isfinite, inner)):
+        return ": only the outer values may be infinite (.inf, -.inf)"
+    first, last = values[0], values[-1]
+    if first == math.inf or last == -math.inf:
+        return ": an open shoulder is -.inf on the left or .inf on the right"
+    if len(values) < 4 and math.isinf(first) and math.isinf(last):
+        return " is 1 everywhere: at most one side may be open"
+    return ""
+
+
+def _is_thrice(places: list[float]) -> bool:
+    return any(first == third for first, third in zip(places, places[2:], strict=False))

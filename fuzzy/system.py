@@ -20,10 +20,44 @@ TNorm = Literal[
 SNorm = Literal[
     "max", "algebraic_sum", "bounded_sum", "drastic_sum", "einstein_sum", "hamacher_sum", "nilpotent_maximum"
 ]
-Implication = Literal["min", "product"]
-Aggregation = Literal["max", "sum"]
-Defuzzifier = Literal["centroid", "center_of_sums"]
-SamplingRule = Literal["midpoints", "endpoints"]
+Implication = Literal[
+    "min",
+    "product",
+    "bounded_difference",
+    "drastic_product",
+    "einstein_product",
+    "hamacher_product",
+    "nilpotent_minimum",
+    "bounded_sum",
+    "algebraic_sum",
+    "kleene_dienes",
+]
+Aggregation = Literal[
+    "max",
+    "sum",
+    "algebraic_sum",
+    "bounded_sum",
+    "drastic_sum",
+    "einstein_sum",
+    "hamacher_sum",
+    "nilpotent_maximum",
+    "min",
+]
+Defuzzifier = Literal[
+    "centroid",
+    "center_of_sums",
+    "bisector",
+    "mom",
+    "som",
+    "lom",
+    "som_abs",
+    "lom_abs",
+    "height",
+    "weighted_average",
+    "weighted_sum",
+]
+SamplingRule = Literal["midpoints", "endpoints", "left", "trapezoid", "left_with_break_points"]
+Hedge = Literal["very", "extremely", "somewhat", "more_or_less", "plus", "intensify", "seldom", "any"]
 OutOfRange = Literal["clamp", "reject"]
 NoFirePolicy = Literal["default", "hold", "midpoint", "nan"]
 
@@ -32,10 +66,15 @@ SCHEMA = "fuzzy-workbench/1"
 
 
 class Term(msgspec.Struct, frozen=True):
-    """A linguistic term and its fuzzy set."""
+    """A linguistic term and its fuzzy set: ``height`` times the shape's degree, or times 1 minus it.
+
+    In a Sugeno system an output's term is a singleton or a linear function of the inputs.
+    """
 
     name: str
     shape: Shape
+    height: float = 1.0
+    complement: bool = False
 
 
 class Input(msgspec.Struct, frozen=True):
@@ -71,7 +110,11 @@ Variable = Input | Output
 
 
 class Is(msgspec.Struct, frozen=True, tag="is"):
-    """Proposition "``variable`` is ``term``"."""
+    """Proposition "``variable`` is ``term``".
+
+    The variable is an input; of an antecedent also an output, whose degree is how far the rules before have activated
+    the term.
+    """
 
     variable: str
     term: str
@@ -81,6 +124,13 @@ class Not(msgspec.Struct, frozen=True, tag="not"):
     """Complement of an expression: 1 - degree."""
 
     operand: Expression
+
+
+class Hedged(msgspec.Struct, frozen=True, tag="hedged"):
+    """An expression with a linguistic hedge: a function of its degree, see :mod:`fuzzy.kernels.hedges`."""
+
+    operand: Expression
+    hedge: Hedge
 
 
 class And(msgspec.Struct, frozen=True, tag="and"):
@@ -95,7 +145,7 @@ class Or(msgspec.Struct, frozen=True, tag="or"):
     operands: tuple[Expression, ...]
 
 
-Expression = Is | Not | And | Or
+Expression = Is | Not | Hedged | And | Or
 
 
 class Rule(msgspec.Struct, frozen=True):
@@ -127,7 +177,12 @@ class RuleBase(msgspec.Struct, frozen=True):
 
 
 class Sampling(msgspec.Struct, frozen=True):
-    """Defuzzification over samples, as other engines do: N interval midpoints, or N points with both ends."""
+    """Defuzzification over samples, as other engines do.
+
+    ``midpoints`` of N intervals; ``endpoints``, N points with both ends; ``left``, the left ends of N intervals;
+    ``trapezoid``, N points with both ends, of which these count half; ``left_with_break_points``, the left ends of N
+    intervals and all points at which a set of the output bends.
+    """
 
     points: int
     rule: SamplingRule = "midpoints"
@@ -145,7 +200,10 @@ class Inference(msgspec.Struct, frozen=True):
 
 
 class FuzzySystem(msgspec.Struct, frozen=True):
-    """A Mamdani system. Valid ones come from :func:`fuzzy.validation.validate` or from a file."""
+    """A Mamdani, Sugeno or Tsukamoto system; the defuzzifier tells which.
+
+    Valid ones come from :func:`fuzzy.validation.validate` or from a file.
+    """
 
     name: str
     inputs: tuple[Input, ...]

@@ -8,10 +8,24 @@ from collections.abc import Iterable, Mapping, Sequence
 import msgspec
 import numpy as np
 
-from fuzzy import rules, shapes
+from fuzzy import rules, sets, shapes
 from fuzzy.errors import InvalidSystemError, expected
-from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle
-from fuzzy.system import And, Expression, FuzzySystem, Is, Not, Or, Output, Rule, RuleTable, Sampling, Variable
+from fuzzy.shapes import Linear, Points
+from fuzzy.system import (
+    And,
+    Defuzzifier,
+    Expression,
+    FuzzySystem,
+    Hedged,
+    Is,
+    Not,
+    Or,
+    Output,
+    Rule,
+    RuleTable,
+    Sampling,
+    Variable,
+)
 
 MAX_VARIABLES = 16
 """Greatest number of inputs, and of outputs."""
@@ -65,26 +79,13 @@ def validate(system: FuzzySystem) -> FuzzySystem:
     for entry in system.inputs:
         _check_variable(entry, f"inputs.{entry.name}")
     for entry in system.outputs:
-        _check_output(entry, f"outputs.{entry.name}")
+        _check_output(entry, f"outputs.{entry.name}", system.inference.defuzzifier, len(system.inputs))
     _check_rules(system)
     resolution = system.inference.resolution
     if isinstance(resolution, Sampling) and not MIN_POINTS <= resolution.points <= MAX_POINTS:
         message = f"{resolution.points} points: valid are {MIN_POINTS} to {MAX_POINTS}"
         raise InvalidSystemError(message, "inference.resolution.points")
     return system
-
-
-def support_on(shape: Shape, low: float, high: float) -> tuple[float, float]:
-    """Return where a set is above 0 inside [low, high]; left > right where it is empty there.
-
-    A Gaussian counts as 0 beyond eight sigma, where it is below 1.3e-14.
-    """
-    match shape:
-        case Triangle(a=left, c=right) | Trapezoid(a=left, d=right):
-            pass
-        case Gaussian(mean=mean, sigma=sigma):
-            left, right = mean - 8 * sigma, mean + 8 * sigma
-    return max(left, low), min(right, high)
 
 
 def _typed(system: FuzzySystem) -> FuzzySystem:
@@ -156,18 +157,30 @@ def _check_variable(variable: Variable, path: str) -> None:
         place = f"{path}.terms.{term.name}"
         _check_name(term.name, place, "a term's name")
         shapes.validate(term.shape, place)
+        if isinstance(term.shape, Linear) and not isinstance(variable, Output):
+            raise InvalidSystemError("a linear function is no set: only an output of a Sugeno system has such", place)
         if any(math.isfinite(value) and abs(value) > MAX_VALUE for value in shapes.parameters(term.shape)):
             raise InvalidSystemError(f"a parameter is beyond {MAX_VALUE:g}", place)
+        if not 0 < term.height <= 1:
+            raise InvalidSystemError(f"height {term.height:g}: valid is greater than 0 and at most 1", place)
+        if isinstance(term.shape, Points) and not any(degree > 0 for _, degree in term.shape.points):
+            raise InvalidSystemError("all points have the degree 0: no rule with this term could fire", place)
 
 
-def _check_output(output: Output, path: str) -> None:
+def _check_output(output: Output, path: str, defuzzifier: Defuzzifier, n_inputs: int) -> None:
     _check_variable(output, path)
-    width = output.high - output.low
     for term in output.terms:
-        left, right = support_on(term.shape, output.low, output.high)
-        if right - left < MIN_RELATIVE_WIDTH * width:
-            message = f"the set has no area in [{output.low:g}, {output.high:g}], so it has no centroid there"
-            raise InvalidSystemError(message, f"{path}.terms.{term.name}")
+        place = f"{path}.terms.{term.name}"
+        if isinstance(term.shape, Linear) and len(term.shape.coefficients) != n_inputs:
+            message = f"{len(term.shape.coefficients)} coefficients: valid are {n_inputs}, one for each input"
+            raise InvalidSystemError(message, place)
+    match defuzzifier:
+        case "weighted_average" | "weighted_sum":
+            _check_values(output, path, defuzzifier)
+        case "height":
+            _check_peaks(output, path)
+        case _:
+            _check_areas(output, path, defuzzifier)
     policy, value = output.no_fire.policy, output.no_fire.value
     if policy == "default" and not output.low <= value <= output.high:
         message = f"default {value:g} is outside the range [{output.low:g}, {output.high:g}]"
@@ -176,6 +189,54 @@ def _check_output(output: Output, path: str) -> None:
         raise InvalidSystemError(
             f"value {value:g} belongs to the policy 'default', not to '{policy}'", f"{path}.no_fire"
         )
+
+
+def _check_values(output: Output, path: str, defuzzifier: str) -> None:
+    """Refuse terms that do not say by themselves, or by how far they are activated, what the output is."""
+    for term in output.terms:
+        if isinstance(term.shape, Linear) or sets.is_singleton(term):
+            continue
+        if not sets.is_monotone(term, output.low, output.high):
+            message = (
+                f"{shapes.kind(term.shape)} has no single value for {defuzzifier}: valid are singleton and linear "
+                "(Sugeno), and sets that rise or fall all over the range (Tsukamoto)"
+            )
+            raise InvalidSystemError(message, f"{path}.terms.{term.name}")
+
+
+def _check_peaks(output: Output, path: str) -> None:
+    for term in output.terms:
+        if isinstance(term.shape, Linear):
+            message = "a linear function is no set: valid defuzzifiers are weighted_average and weighted_sum"
+            raise InvalidSystemError(message, f"{path}.terms.{term.name}")
+        left, right = sets.support(term, output.low, output.high)
+        if left > right:
+            message = f"the set is 0 in [{output.low:g}, {output.high:g}], so it has no peak there"
+            raise InvalidSystemError(message, f"{path}.terms.{term.name}")
+
+
+def _check_areas(output: Output, path: str, defuzzifier: str) -> None:
+    """Refuse sets without an area, but for an output that has none but singletons."""
+    if all(map(sets.is_singleton, output.terms)):
+        if defuzzifier not in {"centroid", "center_of_sums"}:
+            valid = "centroid, center_of_sums, height, weighted_average, weighted_sum"
+            message = f"singletons have no area for {defuzzifier}: valid are {valid}"
+            raise InvalidSystemError(message, f"{path}.terms")
+        for term in output.terms:
+            place = sets.break_points(term)[0]
+            if not output.low <= place <= output.high:
+                message = f"{place:g} is outside the range [{output.low:g}, {output.high:g}]"
+                raise InvalidSystemError(message, f"{path}.terms.{term.name}")
+        return
+    width = output.high - output.low
+    for term in output.terms:
+        if isinstance(term.shape, Linear):
+            message = "a linear function is no set: valid defuzzifiers are weighted_average and weighted_sum"
+            raise InvalidSystemError(message, f"{path}.terms.{term.name}")
+        left, right = sets.support(term, output.low, output.high)
+        if right - left < MIN_RELATIVE_WIDTH * width:
+            message = f"the set has no area in [{output.low:g}, {output.high:g}], so it has no {defuzzifier} there"
+            raise InvalidSystemError(message, f"{path}.terms.{term.name}")
 
 
 def _check_rules(system: FuzzySystem) -> None:
@@ -226,7 +287,8 @@ def _check_rule(rule: Rule, inputs: Mapping[str, list[str]], outputs: Mapping[st
         raise InvalidSystemError(message, path)
     _check_count(rule.consequents, "consequents", path, rules.MAX_PROPOSITIONS)
     for proposition in found:
-        _check_proposition(proposition, inputs, "input", path)
+        is_output = proposition.variable in outputs
+        _check_proposition(proposition, outputs if is_output else inputs, "output" if is_output else "input", path)
     for consequent in rule.consequents:
         _check_proposition(consequent, outputs, "output", path)
     if len(set(rule.consequents)) != len(rule.consequents):
@@ -239,7 +301,7 @@ def _check_expression(expression: Expression, path: str, depth: int) -> None:
     match expression:
         case Is():
             pass
-        case Not(operand=operand):
+        case Not(operand=operand) | Hedged(operand=operand):
             _check_expression(operand, path, depth + 1)
         case And(operands=operands) | Or(operands=operands):
             if len(operands) < 2:

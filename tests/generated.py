@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fuzzy import sets
 from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle
 from fuzzy.system import (
     And,
@@ -25,7 +26,7 @@ from fuzzy.system import (
     RuleTable,
     Term,
 )
-from fuzzy.validation import MIN_RELATIVE_WIDTH, support_on
+from fuzzy.validation import MIN_RELATIVE_WIDTH
 
 Generator = np.random.Generator
 Range = tuple[float, float]
@@ -149,7 +150,7 @@ def _output_terms(random: Generator, ends: Range, *, curved: bool, ordered: bool
     # An output's set must have an area within the range.
     kept = []
     for term in terms:
-        left, right = support_on(term.shape, low, high)
+        left, right = sets.support(term, low, high)
         has_area = right - left > 2 * MIN_RELATIVE_WIDTH * (high - low)
         kept.append(term if has_area else Term(term.name, Triangle(low, low + (high - low) / 4, high)))
     return tuple(kept)

@@ -255,7 +255,7 @@ def bends(system: FuzzySystem, output: Output, conclusions: list[tuple[Number, S
             points |= {
                 shape.mean + side * count * shape.sigma for side in (-1, 1) for count in (0.5, 1, 2, 4, 8, 16, 38)
             }
-        else:
+        elif isinstance(shape, Triangle | Trapezoid):
             a, b, c, d = _corners(shape)
             points |= {side + level * (top - side) for level in levels for side, top in ((a, b), (d, c))}
     found = sorted(u for u in points if output.low <= u <= output.high)
@@ -347,3 +347,4 @@ def numpy_degrees(shape: Shape, u: np.ndarray) -> np.ndarray:
             rise = np.ones_like(u) if math.isinf(a) else np.clip((u - a) / (b - a), 0, 1) if a < b else 1.0 * (u >= b)
             fall = np.ones_like(u) if math.isinf(d) else np.clip((d - u) / (d - c), 0, 1) if c < d else 1.0 * (u <= c)
             return np.minimum(rise, fall)
+    raise AssertionError(shape)

@@ -7,6 +7,7 @@ import typing
 
 from hypothesis import strategies as st
 
+from fuzzy import sets
 from fuzzy import system as document
 from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle
 from fuzzy.system import (
@@ -27,7 +28,7 @@ from fuzzy.system import (
     Term,
     Variable,
 )
-from fuzzy.validation import support_on
+from tests import plain
 
 ODD_NAMES = (
     *(
@@ -127,7 +128,7 @@ def shapes_on(
     if side == "right" or (side == "both" and kind == "trapezoid"):
         last = math.inf
     shape = Triangle(first, second, last) if kind == "triangle" else Trapezoid(first, second, third, last)
-    left, right = support_on(shape, low, high)
+    left, right = sets.support(plain.term(shape), low, high)
     if needs_area and right - left < 0.01 * width:
         return Triangle(low, low + width / 2, high)
     return shape
@@ -194,11 +195,12 @@ def tables_of(draw: st.DrawFn, inputs: tuple[Input, ...], outputs: tuple[Output,
 
 
 _HINTS = typing.get_type_hints(Inference)
-_OPERATORS = {
-    field: st.sampled_from(typing.get_args(_HINTS[field]))
-    for field in ("conjunction", "disjunction", "implication", "aggregation", "defuzzifier")
+_OPERATORS = {field: st.sampled_from(typing.get_args(_HINTS[field])) for field in ("conjunction", "disjunction")} | {
+    "implication": st.sampled_from(("min", "product")),
+    "aggregation": st.sampled_from(("max", "sum")),
+    "defuzzifier": st.sampled_from(("centroid", "center_of_sums")),
 }
-_samplings = st.builds(Sampling, st.integers(2, 400), st.sampled_from(typing.get_args(document.SamplingRule)))
+_samplings = st.builds(Sampling, st.integers(2, 400), st.sampled_from(("midpoints", "endpoints")))
 _resolutions = {True: st.just("exact"), False: _samplings, None: st.just("exact") | _samplings}
 
 

@@ -18,8 +18,8 @@ from app.runner import Frame
 from app.state import AppState, DragMode, Edit, Event, Selected
 from app.store import Dispatch
 from app.widgets import ChoiceGroup, div, escape, full_width_html, on_input
-from fuzzy import edits, shapes
-from fuzzy.shapes import Gaussian
+from fuzzy import edits, sets, shapes
+from fuzzy.shapes import Gaussian, Trapezoid, Triangle
 from fuzzy.system import FuzzySystem, Input, Variable
 
 _POINTS = 241
@@ -142,7 +142,7 @@ class MembershipView:
 
     def _draw(self, variable: Variable, term: str) -> None:
         low, high = extent(variable)
-        points = {point for entry in variable.terms for point in shapes.break_points(entry.shape)}
+        points = {point for entry in variable.terms for point in sets.break_points(entry)}
         x = np.union1d(np.linspace(low, high, _POINTS), [point for point in points if low <= point <= high])
         count = len(variable.terms)
         lines = []
@@ -151,7 +151,7 @@ class MembershipView:
             is_chosen = entry.name == term
             fill = css(color, 0.22 if is_chosen else 0.06)
             lines.append(Line(entry.name, css(color), 3.0 if is_chosen else 1.6, fill=fill))
-        data = (x, *(shapes.degrees(entry.shape, x) for entry in variable.terms))
+        data = (x, *(sets.degrees(entry, x) for entry in variable.terms))
         key = (variable.name, len(data), low, high)
         if self._chart is not None and key == self._chart_key:
             self._chart.data = data
@@ -247,7 +247,7 @@ def chosen(state: AppState) -> Variable:
 
 def possible_mode(variable: Variable, wanted: DragMode) -> DragMode:
     """Return how points move: curved sets have no feet that could follow, so that a partition needs straight ones."""
-    is_linear = all(isinstance(term.shape, shapes.PIECEWISE_LINEAR) for term in variable.terms)
+    is_linear = all(isinstance(term.shape, Triangle | Trapezoid) for term in variable.terms)
     return wanted if is_linear else "free"
 
 
@@ -258,7 +258,7 @@ def is_shown_as(value: float, present: float) -> bool:
 
 def extent(variable: Variable) -> tuple[float, float]:
     """Return the part of the axis that is drawn: the range, and points of terms that lie outside."""
-    points = [point for term in variable.terms for point in shapes.break_points(term.shape)]
+    points = [point for term in variable.terms for point in sets.break_points(term)]
     return float(min(variable.low, *points)), float(max(variable.high, *points))
 
 
@@ -279,7 +279,8 @@ def thumbs(variable: Variable, term: str, mode: DragMode) -> tuple[Thumb, ...]:
             found.append(Thumb(term, "mean", entry.shape.mean))
             found.append(Thumb(term, _SPREAD, entry.shape.mean + entry.shape.sigma))
         elif entry.name == term:
-            found += [Thumb(term, name, value) for name, value in values.items() if math.isfinite(value)]
+            places = shapes.location_names(entry.shape)
+            found += [Thumb(term, name, values[name]) for name in places if math.isfinite(values[name])]
     low, high = extent(variable)
     return tuple(sorted((t for t in found if low <= t.value <= high), key=lambda thumb: thumb.value))
 
@@ -306,7 +307,7 @@ def _legend_html(variable: Variable, chosen_term: str, value: float | None) -> s
     count = len(variable.terms)
     inside = None if value is None else min(max(value, variable.low), variable.high)
     for n, term in enumerate(variable.terms):
-        degree = 0.0 if inside is None else float(shapes.degrees(term.shape, inside))
+        degree = 0.0 if inside is None else float(sets.degrees(term, inside))
         weight = "700" if term.name == chosen_term else "400"
         text = f"{escape(term.name)} {degree:.2f}" if degree > 0.0 else escape(term.name)
         opacity = 1.0 if degree > 0.0 or inside is None else 0.75

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fuzzy import shapes
+from fuzzy import sets, shapes
 from fuzzy.analysis.places import SAMPLES, Numbers, number_of, spread
 from fuzzy.errors import InvalidInputError
 from fuzzy.inference import Controller, compile_system
@@ -105,7 +105,7 @@ def _search_grid(inputs: tuple[Input, ...]) -> Numbers:
     for variable in inputs:
         points = {variable.low, variable.high}
         for term in variable.terms:
-            points.update(u for u in shapes.break_points(term.shape) if variable.low < u < variable.high)
+            points.update(u for u in sets.break_points(term) if variable.low < u < variable.high)
         axes.append(np.union1d(sorted(points), np.linspace(variable.low, variable.high, min(per_input, 65))))
     if math.prod(len(axis) for axis in axes) <= 4 * SAMPLES:
         return np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1)

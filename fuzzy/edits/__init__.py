@@ -16,7 +16,7 @@ from fuzzy.edits.grids import (
 )
 from fuzzy.edits.rule_list import add_rule, remove_rule, set_rule, set_weight
 from fuzzy.edits.spacing import fresh_name, insert_term, space_terms
-from fuzzy.edits.symmetry import follow_in_mirror, reflected
+from fuzzy.edits.symmetry import follow_in_mirror
 from fuzzy.edits.tables import (
     clear_table,
     dissolve_table,
@@ -64,7 +64,6 @@ __all__ = [
     "mirror_antisymmetrically",
     "move_point",
     "move_term",
-    "reflected",
     "remove_rule",
     "remove_term",
     "rename_term",

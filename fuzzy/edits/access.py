@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from fuzzy.errors import InvalidSystemError, expected
 from fuzzy.patterns import Cells
-from fuzzy.system import And, Expression, FuzzySystem, Input, Is, Not, Or, Rule, RuleTable, Variable
+from fuzzy.system import And, Expression, FuzzySystem, Hedged, Input, Is, Not, Or, Rule, RuleTable, Variable
 from fuzzy.validation import validate
 
 
@@ -69,6 +69,8 @@ def mapped(expression: Expression, change: Callable[[Is], Is]) -> Expression:
     match expression:
         case Is():
             return change(expression)
+        case Hedged(operand=operand, hedge=hedge):
+            return Hedged(mapped(operand, change), hedge)
         case Not(operand=operand):
             return Not(mapped(operand, change))
         case And(operands=operands):

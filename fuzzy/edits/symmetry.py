@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from fuzzy import partition, shapes
 from fuzzy.edits.access import changed, find, path_of, term_number
 from fuzzy.errors import InvalidSystemError
-from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle
+from fuzzy.shapes import Shape
 from fuzzy.system import FuzzySystem, Term
 
 
@@ -39,7 +39,7 @@ def follow_in_mirror(before: FuzzySystem, after: FuzzySystem, variable: str, ter
         source, target = order[place], order[count - 1 - place]
         if not is_left:
             source, target = target, source
-        terms[target] = replace(terms[target], shape=reflected(terms[source].shape, middle))
+        terms[target] = replace(terms[target], shape=shapes.reflected(terms[source].shape, middle))
     if count % 2:
         number = order[count // 2]
         path = f"{path_of(new)}.terms.{old.terms[number].name}"
@@ -47,35 +47,25 @@ def follow_in_mirror(before: FuzzySystem, after: FuzzySystem, variable: str, ter
     return changed(after, new, terms=tuple(terms))
 
 
-def reflected(shape: Shape, middle: float) -> Shape:
-    """Return the mirror image of a set."""
-    match shape:
-        case Triangle() | Trapezoid():
-            return type(shape)(*(_image(value, middle) for value in reversed(shapes.parameters(shape))))
-        case Gaussian(mean=mean, sigma=sigma):
-            return Gaussian(_image(mean, middle), sigma)
-
-
 def _symmetric(before: Term, after: Term, middle: float, path: str) -> Term:
     """Return the middle term with the moved points and their images."""
-    image = reflected(after.shape, middle)
-    if type(before.shape) is not type(after.shape):
+    image = shapes.reflected(after.shape, middle)
+    values_before = shapes.parameters(before.shape)
+    if type(before.shape) is not type(image) or len(values_before) != len(shapes.parameters(image)):
         values = shapes.parameters(after.shape)
     else:
-        moved = zip(shapes.parameters(before.shape), shapes.parameters(after.shape), strict=True)
+        moved = zip(values_before, shapes.parameters(after.shape), strict=True)
         pairs = zip(moved, shapes.parameters(image), strict=True)
         values = [new if new != old else mirror for (old, new), mirror in pairs]
-    shape = type(after.shape)(*values)
-    if not _is_near(reflected(shape, middle), shape):
+    shape = shapes.build(shapes.kind(after.shape), values)
+    if not _is_near(shapes.reflected(shape, middle), shape):
         message = f"'{after.name}' is the middle term: while editing is symmetric it stays in the middle, {middle:g}"
         raise InvalidSystemError(message, path)
     return replace(after, shape=shape)
 
 
 def _is_near(one: Shape, other: Shape) -> bool:
+    if type(one) is not type(other):
+        return False
     pairs = zip(shapes.parameters(one), shapes.parameters(other), strict=True)
     return all(math.isclose(first, second, rel_tol=1e-9, abs_tol=1e-12) for first, second in pairs)
-
-
-def _image(value: float, middle: float) -> float:
-    return 2 * middle - value

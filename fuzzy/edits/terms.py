@@ -6,7 +6,7 @@ from typing import Literal
 
 from msgspec.structs import replace
 
-from fuzzy import partition, shapes
+from fuzzy import conversion, partition, shapes
 from fuzzy.edits.access import changed, find, mapped_cells, mapped_rule, path_of, term_number
 from fuzzy.errors import InvalidSystemError, expected
 from fuzzy.rules import propositions
@@ -26,7 +26,7 @@ def set_shape(system: FuzzySystem, variable: str, term: str, shape: Shape) -> Fu
 
 
 def set_shape_kind(system: FuzzySystem, variable: str, term: str, kind: str) -> FuzzySystem:
-    """Give a term's set another shape that stands where the old one stood, as :func:`fuzzy.shapes.converted` says.
+    """Give a term's set another shape that stands where the old one stood, as :func:`fuzzy.conversion.converted` says.
 
     Args:
         system: The system.
@@ -36,7 +36,7 @@ def set_shape_kind(system: FuzzySystem, variable: str, term: str, kind: str) -> 
     """
     found = find(system, variable)
     shape = found.terms[term_number(found, term)].shape
-    return set_shape(system, variable, term, shapes.converted(shape, kind))
+    return set_shape(system, variable, term, conversion.converted(shape, kind))
 
 
 def move_point(
@@ -62,7 +62,7 @@ def move_point(
         return changed(system, found, terms=partition.move_point(found.terms, term, parameter, value, path))
     if parameter not in shapes.parameter_names(shape):
         raise InvalidSystemError(f"unknown parameter {expected(parameter, shapes.parameter_names(shape))}", path)
-    return set_shape(system, variable, term, replace(shape, **{parameter: value}))
+    return set_shape(system, variable, term, shapes.with_parameter(shape, parameter, value))
 
 
 def rename_term(system: FuzzySystem, variable: str, term: str, name: str) -> FuzzySystem:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 from msgspec.structs import replace
 
 from fuzzy import shapes
 from fuzzy.edits.access import changed, find, mapped_rule, path_of, replaced, variables_of
 from fuzzy.errors import InvalidSystemError
-from fuzzy.shapes import Gaussian, Shape
 from fuzzy.system import FuzzySystem, Input, Is, NoFire, OutOfRange, Output, RuleBase
 from fuzzy.validation import validate
 
@@ -49,14 +46,9 @@ def set_range(
     factor = (high - low) / (found.high - found.low)
 
     def moved(value: float) -> float:
-        return low + (value - found.low) * factor if math.isfinite(value) else value
+        return low + (value - found.low) * factor
 
-    def stretched(shape: Shape) -> Shape:
-        if isinstance(shape, Gaussian):
-            return Gaussian(moved(shape.mean), shape.sigma * factor)
-        return type(shape)(*map(moved, shapes.parameters(shape)))
-
-    terms = tuple(replace(term, shape=stretched(term.shape)) for term in found.terms)
+    terms = tuple(replace(term, shape=shapes.moved(term.shape, moved, factor)) for term in found.terms)
     if isinstance(found, Output) and found.no_fire.policy == "default":
         default = NoFire("default", min(max(moved(found.no_fire.value), low), high))
         return changed(system, found, low=low, high=high, terms=terms, no_fire=default)

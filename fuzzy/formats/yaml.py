@@ -40,7 +40,8 @@ OPERATOR_KEYS = {
 """Keys of the file's ``inference`` and the fields of ``Inference`` that they set."""
 
 _POLICIES = typing.get_args(document.NoFirePolicy)
-_SHAPES: dict[str, type[Shape]] = {shapes.kind(shape): shape for shape in shapes.SHAPES}
+_SHAPES: dict[str, type[Shape]] = {shapes.kind(shape): shape for shape in shapes.KINDS}
+_TERM_KEYS = ("height", "complement")
 
 
 def read(text: str, source: str) -> FuzzySystem:
@@ -151,21 +152,41 @@ def _range(node: Node) -> tuple[float, float]:
 
 
 def _terms(node: Node) -> tuple[Term, ...]:
-    return tuple(Term(name, _shape(entry)) for name, entry in values.entries(node, "terms by name").items())
+    return tuple(_term(name, entry) for name, entry in values.entries(node, "terms by name").items())
 
 
-def _shape(node: Node) -> Shape:
+def _term(name: str, node: Node) -> Term:
     found = values.entries(node, "a shape such as {triangle: [-1, 0, 1]}")
-    if len(found) != 1:
-        raise node.error(f"expected one shape such as {{triangle: [-1, 0, 1]}}, found {len(found)}")
-    ((word, parameters),) = found.items()
+    kinds = {word: entry for word, entry in found.items() if word not in _TERM_KEYS}
+    if len(kinds) != 1:
+        raise node.error(f"expected one shape such as {{triangle: [-1, 0, 1]}}, found {len(kinds)}")
+    ((word, parameters),) = kinds.items()
     if word not in _SHAPES:
-        raise parameters.key_error(f"unknown shape {expected(yaml_tree.shown(word), _SHAPES)}")
-    names = shapes.parameter_names(_SHAPES[word])
-    numbers = values.items(parameters, f"a list of {len(names)} numbers: {', '.join(names)}")
-    if len(numbers) != len(names):
-        raise parameters.error(f"a {word} has {len(names)} parameters ({', '.join(names)}), found {len(numbers)}")
-    return _SHAPES[word](*(values.number(entry, finite=False) for entry in numbers))
+        raise parameters.key_error(f"unknown shape {expected(yaml_tree.shown(word), (*_SHAPES, *_TERM_KEYS))}")
+    height = values.number(found["height"]) if "height" in found else 1.0
+    complement = "complement" in found and values.choice(found["complement"], ("true", "false")) == "true"
+    return Term(name, _shape(word, parameters), height, complement)
+
+
+def _shape(word: str, node: Node) -> Shape:
+    shape = _SHAPES[word]
+    if shape is shapes.Points:
+        pairs = values.items(node, "a list of points such as [[-1, 0], [0, 1]]")
+        return shapes.Points(tuple(_point(pair) for pair in pairs))
+    names = shapes.parameter_names(shape)
+    wanted = "a coefficient for each input and a constant" if shape is shapes.Linear else f"{len(names)} numbers"
+    numbers = values.items(node, f"a list of {wanted}" + ("" if shape is shapes.Linear else f": {', '.join(names)}"))
+    try:
+        return shapes.build(word, [values.number(entry, finite=False) for entry in numbers])
+    except InvalidSystemError as error:
+        raise node.error(error.message) from None
+
+
+def _point(node: Node) -> tuple[float, float]:
+    pair = values.items(node, "a point such as [0.5, 1]")
+    if len(pair) != 2:
+        raise node.error(f"expected a point of two numbers such as [0.5, 1], found {len(pair)}")
+    return values.number(pair[0]), values.number(pair[1])
 
 
 def _no_fire(node: Node) -> NoFire:

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from fuzzy import shapes
 from fuzzy.formats.yaml import OPERATOR_KEYS
 from fuzzy.rules import format_rule
+from fuzzy.shapes import Points, Shape
 from fuzzy.system import SCHEMA, FuzzySystem, Inference, Input, Output, RuleTable, Sampling, Term, Variable
 
 _PLAIN = re.compile(r"[^\W\d][\w./+*-]*( [\w./+*-]+)*")
@@ -89,9 +90,19 @@ def _terms(terms: tuple[Term, ...]) -> Iterator[str]:
     yield "    terms:"
     width = max(len(scalar(term.name)) for term in terms)
     for term in terms:
-        values = ", ".join(number(value) for value in shapes.parameters(term.shape))
         label = f"{scalar(term.name)}:"
-        yield f"      {label:{width + 1}} {{{shapes.kind(term.shape)}: [{values}]}}"
+        yield f"      {label:{width + 1}} {{{shapes.kind(term.shape)}: [{_parameters(term.shape)}]{_others(term)}}}"
+
+
+def _parameters(shape: Shape) -> str:
+    if isinstance(shape, Points):
+        return ", ".join(f"[{number(x)}, {number(degree)}]" for x, degree in shape.points)
+    return ", ".join(number(value) for value in shapes.parameters(shape))
+
+
+def _others(term: Term) -> str:
+    height = f", height: {number(term.height)}" if term.height != 1 else ""
+    return height + (", complement: true" if term.complement else "")
 
 
 def _input(entry: Input) -> Iterator[str]:

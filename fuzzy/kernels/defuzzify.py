@@ -2,11 +2,10 @@
 
 import math
 
-from fuzzy.kernels import exact, quadrature, sampled, sets
-from fuzzy.kernels import tables as codes
+from fuzzy.kernels import codes, exact, linear, quadrature, sampled, sets, weighted
 from fuzzy.kernels.address import at, call_at, defuzzifier_at, outputs_at, rules_at, workspace_at
 from fuzzy.kernels.jit import borrowing_kernel
-from fuzzy.kernels.norms import MIN, SUM
+from fuzzy.kernels.norms import MAX, PRODUCT, SUM
 
 DEFUZZIFIERS = {
     codes.CLIPPED: exact.clipped_centroid,
@@ -14,6 +13,15 @@ DEFUZZIFIERS = {
     codes.ENVELOPE: exact.envelope_centroid,
     codes.QUADRATURE: quadrature.centroid,
     codes.SAMPLED: sampled.centroid,
+    codes.WEIGHTED_AVERAGE: weighted.average,
+    codes.WEIGHTED_SUM: weighted.total,
+    codes.LINEAR_CENTROID: linear.centroid,
+    codes.LINEAR_BISECTOR: linear.bisector,
+    codes.LINEAR_MAXIMA: linear.maximum,
+    codes.CURVED_BISECTOR: quadrature.bisector,
+    codes.CURVED_MAXIMA: quadrature.maximum,
+    codes.SAMPLED_BISECTOR: sampled.bisector,
+    codes.SAMPLED_MAXIMA: sampled.maximum,
 }
 """The kernel of each method: f(address, output) -> crisp output, NaN where it is undefined."""
 
@@ -26,7 +34,8 @@ def aggregate(address, fired):
     """Write the members of every output's aggregated set, and the level of every output term.
 
     Max aggregation needs the largest strength of each term only, since a norm is monotone; the sum of scaled sets
-    needs the sum of strengths. The sum of clipped sets has a member for every consequent of every rule that fires.
+    needs the sum of strengths. Otherwise, as in the sum of clipped sets, every consequent of every rule that fires is
+    a member of its own.
 
     Args:
         address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
@@ -40,7 +49,8 @@ def aggregate(address, fired):
     level = workspace.level
     n_members = workspace.member_count
     sums = outputs.aggregation[0] == SUM
-    separate = sums and outputs.implication[0] == MIN
+    separate = outputs.grouping[0] == codes.EVERY_CONSEQUENT
+    scalable = (sums or outputs.aggregation[0] == MAX) and outputs.implication[0] <= PRODUCT
     for output in range(n_members.size):
         start = rules.member_start[at(output)]
         for n in range(start, start + n_members[at(output)]):
@@ -66,7 +76,7 @@ def aggregate(address, fired):
             if not separate:
                 level[at(n)] = height[at(member[at(n)])]
             largest = max(largest, level[at(n)])
-        workspace.gain[at(output)] = 1.0 if largest >= _TINY else _GAIN
+        workspace.gain[at(output)] = 1.0 if largest >= _TINY or not scalable else _GAIN
 
 
 @borrowing_kernel
@@ -84,7 +94,12 @@ def defuzzify(address, y):
         if workspace.member_count[at(output)] > 0:
             value = call_at(defuzzifier_at(address, output), address, output)
         workspace.undefined[at(output)] = int(math.isnan(value))
-        if not math.isnan(value):
+        if outputs.method[at(output)] == codes.WEIGHTED_AVERAGE or outputs.method[at(output)] == codes.WEIGHTED_SUM:
+            if not math.isnan(value):
+                y[at(output)] = value  # a Sugeno system's outputs may lie outside the range, as in other engines
+            elif outputs.no_fire[at(output)] != codes.HOLD:
+                y[at(output)] = outputs.no_fire_value[at(output)]
+        elif not math.isnan(value):
             y[at(output)] = min(max(value, outputs.range[at(output), 0]), outputs.range[at(output), 1])
         elif outputs.no_fire[at(output)] != codes.HOLD:
             y[at(output)] = outputs.no_fire_value[at(output)]

@@ -1,18 +1,18 @@
 """Rule evaluation: from the degrees of the input terms to firing strengths."""
 
-from fuzzy.kernels import norms
-from fuzzy.kernels import tables as codes
-from fuzzy.kernels.address import at, inputs_at, rules_at, workspace_at
+from fuzzy.kernels import codes, hedges, norms
+from fuzzy.kernels.address import at, inputs_at, outputs_at, rules_at, workspace_at
 from fuzzy.kernels.jit import borrowing_kernel
 
 
 @borrowing_kernel
-def antecedent(address, listed):
+def antecedent(address, listed, fired):
     """Return the degree of one listed rule's antecedent, by its postfix program.
 
     Args:
         address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
         listed: Number of the rule in the list, from 0.
+        fired: How many of the rules before it fire.
     """
     rules = rules_at(address)
     workspace = workspace_at(address)
@@ -20,11 +20,16 @@ def antecedent(address, listed):
     top = -1
     for p in range(rules.program_start[listed], rules.program_start[listed + 1]):
         word = rules.program[p]
-        if word >= 0:
+        if word >= workspace.membership.size:
+            top += 1
+            stack[top] = activation(address, word - workspace.membership.size, fired)
+        elif word >= 0:
             top += 1
             stack[top] = workspace.membership[word]
         elif word == codes.NOT:
             stack[top] = 1.0 - stack[top]
+        elif word <= codes.HEDGE:
+            stack[top] = hedges.hedge(codes.HEDGE - word, stack[top])
         else:
             top -= 1
             if word == codes.AND:
@@ -32,6 +37,31 @@ def antecedent(address, listed):
             else:
                 stack[top] = norms.s_norm(rules.norms[1], stack[top], stack[top + 1])
     return stack[0]
+
+
+@borrowing_kernel
+def activation(address, term, fired):
+    """Return how far an output term is activated by the rules that have fired: their strengths, aggregated.
+
+    Args:
+        address: Of a compiled system and its workspace.
+        term: Number of the output term.
+        fired: How many rules have fired; their numbers stand in the first places of ``workspace.fired``.
+
+    References:
+        fuzzylite 6, output variables in antecedents.
+    """
+    rules = rules_at(address)
+    workspace = workspace_at(address)
+    code = outputs_at(address).aggregation[0]
+    total = 0.0
+    for n in range(fired):
+        rule = workspace.fired[n]
+        for c in range(rules.consequent_start[rule], rules.consequent_start[rule + 1]):
+            if rules.consequent_term[c] == term:
+                strength = workspace.strength[rule]
+                total = max(total, strength) if code == norms.LEAST else norms.aggregation(code, total, strength)
+    return min(total, 1.0)
 
 
 @borrowing_kernel
@@ -77,7 +107,7 @@ def fire(address):
                     count += 1
     first_listed = strength.size - rules.weight.size
     for listed in range(rules.weight.size):
-        degree = rules.weight[at(listed)] * antecedent(address, listed)
+        degree = rules.weight[at(listed)] * antecedent(address, listed, count)
         if degree > 0.0:
             strength[at(first_listed + listed)] = degree
             fired[at(count)] = first_listed + listed

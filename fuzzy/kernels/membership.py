@@ -1,4 +1,4 @@
-"""Membership degrees. A shape reaches the kernels as a code and four parameters.
+"""Membership degrees. A shape reaches the kernels as a code and a row of parameters.
 
 A triangle is a trapezoid whose plateau is one point, so that both share one formula.
 """
@@ -9,26 +9,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy.kernels.address import at, inputs_at, workspace_at
+from fuzzy.kernels.codes import (
+    BELL,
+    CONCAVE,
+    COSINE,
+    GAUSSIAN,
+    GAUSSIAN2,
+    LINE,
+    OFFSET,
+    PEAK,
+    PI_SHAPE,
+    POINTS,
+    SCALE,
+    SIGMOID,
+    SIGMOID_DIFFERENCE,
+    SIGMOID_PRODUCT,
+    SPIKE,
+    TRAPEZOID,
+)
 from fuzzy.kernels.jit import borrowing_kernel
 
-TRAPEZOID = 0
-"""(a, b, c, d): 0 outside [a, d], 1 on [b, c], linear between; an infinite a or d is an open shoulder."""
-GAUSSIAN = 1
-"""(mean, sigma, -, -)."""
-LINE = -1
-"""(origin, run, offset, -): offset + (x - origin) / run, a piece of a piecewise-linear shape."""
-
 _DEVIATIONS = np.array([0.0, 1.5, 3.5, 8.0, 9.0, 12.0, 38.0])
-"""Standard deviations from a Gaussian's mean: between them a polynomial follows it, and beyond the last it is 0."""
+"""Distances from the middle of a curve, in its own unit of length: between them a polynomial follows it."""
 
 
 @borrowing_kernel
-def degree(code: int, p: NDArray[np.float64], x: float) -> float:
+def degree(code: int, p: NDArray[np.float64], values: NDArray[np.float64], x: float) -> float:
     """Return the membership degree of ``x``.
 
     Args:
-        code: ``TRAPEZOID``, ``GAUSSIAN`` or ``LINE``.
-        p: (4,) parameters, in the order of the code's comment.
+        code: A shape's code, see ``fuzzy.kernels.codes``.
+        p: (8,) parameters, in the code's order, and offset, scale and peak; (4,) are enough for
+            ``LINE``.
+        values: What points consist of; read for ``POINTS`` only.
         x: Crisp value, finite.
 
     Returns:
@@ -36,6 +49,12 @@ def degree(code: int, p: NDArray[np.float64], x: float) -> float:
     """
     if code == LINE:
         return p[2] + (x - p[0]) / p[1]
+    return p[OFFSET] + p[SCALE] * _shape_degree(code, p, values, x)
+
+
+@borrowing_kernel
+def _shape_degree(code, p, values, x):
+    """Return the degree of the shape alone."""
     if code == TRAPEZOID:
         if x < p[1]:
             if x <= p[0]:
@@ -46,47 +65,235 @@ def degree(code: int, p: NDArray[np.float64], x: float) -> float:
                 return 0.0
             return (x - p[3]) / (p[2] - p[3]) if p[3] < math.inf else 1.0
         return 1.0
-    z = (x - p[0]) / p[1]
-    return math.exp(-0.5 * z * z)
+    if code == GAUSSIAN:
+        z = (x - p[0]) / p[1]
+        return math.exp(-0.5 * z * z)
+    if code == GAUSSIAN2:
+        left = (x - p[0]) / p[1] if x < p[0] else 0.0
+        right = (x - p[2]) / p[3] if x > p[2] else 0.0
+        return math.exp(-0.5 * (left * left + right * right))
+    if code == BELL:
+        z = abs((x - p[0]) / p[1])
+        return 1.0 / (1.0 + z ** (2.0 * p[2]))
+    if code == SIGMOID:
+        return _sigmoid(p[0], p[1], x)
+    if code == SIGMOID_DIFFERENCE:
+        return abs(_sigmoid(p[0], p[1], x) - _sigmoid(p[2], p[3], x))
+    if code == SIGMOID_PRODUCT:
+        return _sigmoid(p[0], p[1], x) * _sigmoid(p[2], p[3], x)
+    if code == PI_SHAPE:
+        return _s_shape(x - p[0], p[1] - x, p[1] - p[0]) * _s_shape(p[3] - x, x - p[2], p[3] - p[2])
+    if code == COSINE:
+        z = (x - p[0]) / p[1]
+        return 0.5 * (1.0 + math.cos(2.0 * math.pi * z)) if abs(z) <= 0.5 else 0.0
+    if code == SPIKE:
+        return math.exp(-abs(10.0 / p[1] * (x - p[0])))
+    if code == CONCAVE:
+        if (p[0] < p[1]) == (x < p[1]):
+            return (p[1] - p[0]) / (2.0 * p[1] - p[0] - x)
+        return 1.0
+    if code == POINTS:
+        return _points(values, int(p[0]), int(p[1]), x)
+    return 0.0
 
 
 @borrowing_kernel
-def bends(code: int, p: NDArray[np.float64], level: float, out: NDArray[np.float64], count: int) -> int:
-    """Append the points between which a set clipped at ``level`` is smooth, and not hidden from a quadrature.
+def _sigmoid(center, slope, x):
+    return 1.0 / (1.0 + math.exp(-slope * (x - center)))
+
+
+@borrowing_kernel
+def _s_shape(above, below, width):
+    """Return an s shape's degree from the distances of x from its foot and from its top."""
+    if below <= 0.0 or math.isnan(below):
+        return 1.0
+    if above <= 0.0:
+        return 0.0
+    if above <= below:
+        return 2.0 * (above / width) ** 2
+    return 1.0 - 2.0 * (below / width) ** 2
+
+
+@borrowing_kernel
+def _points(values, first, count, x):
+    """Return the degree of a set by points: linear between, constant outside, the larger one at a jump."""
+    last = first + count - 1
+    if x < values[first]:
+        return values[first + count]
+    if x > values[last]:
+        return values[last + count]
+    i = first
+    while i < last and values[i + 1] < x:
+        i += 1
+    # Now values[i] <= x <= values[i + 1], or i is the last point.
+    if i == last or x == values[i]:
+        found = values[i + count]
+    else:
+        found = values[i + count] + (x - values[i]) * (values[i + 1 + count] - values[i + count]) / (
+            values[i + 1] - values[i]
+        )
+    if i < last and values[i + 1] == x:
+        found = values[i + 1 + count]
+        if i + 1 < last and values[i + 2] == x:
+            found = max(found, values[i + 2 + count])
+    if i < last and x == values[i] and values[i + 1] == x:
+        found = max(values[i + count], values[i + 1 + count])
+    return found
+
+
+@borrowing_kernel
+def bends(code, p, values, level, out, count):
+    """Append the points between which a set cut at ``level`` is smooth, and not hidden from a quadrature.
 
     Args:
-        code: ``TRAPEZOID`` or ``GAUSSIAN``.
-        p: (4,) parameters.
-        level: Greater than 0.
-        out: (n,) list, with room for 16 more.
+        code: One of the codes of shapes, but ``LINE``.
+        p: (8,) parameters.
+        values: What points consist of.
+        level: Degree at which an implication bends the set; none where it is not inside the set's degrees.
+        out: (n,) list, with room for ``MOST_BENDS`` more, or for two for each point of a set by points.
         count: Length of the list.
 
     Returns:
         The new length of the list; infinite and unsorted points are possible.
     """
+    before = count
+    level = (level - p[OFFSET]) / p[SCALE]
+    cuts = 0.0 < level < 1.0
     if code == TRAPEZOID:
         for i in range(4):
             out[count + i] = p[i]
-        out[count + 4] = p[0] + level * (p[1] - p[0])
-        out[count + 5] = p[3] + level * (p[2] - p[3])
-        return count + 6
-    for i in range(_DEVIATIONS.size):
-        out[count + 2 * i] = p[0] - _DEVIATIONS[i] * p[1]
-        out[count + 2 * i + 1] = p[0] + _DEVIATIONS[i] * p[1]
-    count += 2 * _DEVIATIONS.size
-    if level < 1.0:
+        count += 4
+        if cuts:
+            out[count] = p[0] + level * (p[1] - p[0])
+            out[count + 1] = p[3] + level * (p[2] - p[3])
+            count += 2
+        return count
+    if code == POINTS:
+        first = int(p[0])
+        n = int(p[1])
+        for i in range(first, first + n):
+            out[count] = values[i]
+            count += 1
+            if i > first and cuts:
+                low = values[i - 1 + n] - level
+                high = values[i + n] - level
+                if low * high < 0.0:
+                    out[count] = values[i - 1] + (values[i] - values[i - 1]) * low / (low - high)
+                    count += 1
+        return count
+    count = _curve_bends(code, p, out, count)
+    if not cuts:
+        return count
+    if code == GAUSSIAN:
         reach = p[1] * math.sqrt(-2.0 * math.log(level))
         out[count] = p[0] - reach
         out[count + 1] = p[0] + reach
-        count += 2
+        return count + 2
+    # Between two of its own points a curve rises or falls: it meets the level at most once there.
+    end = count
+    for i in range(before, end):
+        nearest = math.inf
+        for j in range(before, end):
+            if out[i] < out[j] < nearest:
+                nearest = out[j]
+        if math.isfinite(out[i]) and nearest < math.inf:
+            left = _shape_degree(code, p, values, out[i]) - level
+            right = _shape_degree(code, p, values, nearest) - level
+            if left * right < 0.0:
+                out[count] = _level_crossing(code, p, values, level, out[i], nearest)
+                count += 1
     return count
 
 
 @borrowing_kernel
-def degrees(code: int, p: NDArray[np.float64], x: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+def _curve_bends(code, p, out, count):
+    """Append the points between which a curve is smooth, monotone, and near to a polynomial."""
+    if code in (GAUSSIAN, BELL, SIGMOID, SPIKE, COSINE):
+        unit = p[1]
+        if code == SIGMOID:
+            unit = 1.0 / p[1] if p[1] != 0.0 else 1.0
+        elif code == SPIKE:
+            unit = 0.2 * p[1]
+        elif code == COSINE:
+            unit = p[1] / 3.0
+        for i in range(_DEVIATIONS.size):
+            out[count + 2 * i] = p[0] - _DEVIATIONS[i] * unit
+            out[count + 2 * i + 1] = p[0] + _DEVIATIONS[i] * unit
+        return count + 2 * _DEVIATIONS.size
+    if code in (GAUSSIAN2, SIGMOID_PRODUCT, SIGMOID_DIFFERENCE):
+        for side in range(2):
+            unit = p[2 * side + 1]
+            if code != GAUSSIAN2:
+                unit = 1.0 / unit if unit != 0.0 else 1.0
+            for i in range(_DEVIATIONS.size):
+                distance = _DEVIATIONS[i] * unit
+                if code != GAUSSIAN2:
+                    out[count] = p[2 * side] - distance
+                    out[count + 1] = p[2 * side] + distance
+                    count += 2
+                else:
+                    out[count] = p[2 * side] + (distance if side == 1 else -distance)
+                    count += 1
+        out[count] = p[PEAK]
+        if code == SIGMOID_DIFFERENCE and p[1] != p[3]:  # where the two sigmoids cross
+            out[count + 1] = (p[1] * p[0] - p[3] * p[2]) / (p[1] - p[3])
+            return count + 2
+        return count + 1
+    if code == PI_SHAPE:
+        for i in range(4):
+            out[count + i] = p[i]
+        out[count + 4] = 0.5 * (p[0] + p[1])
+        out[count + 5] = 0.5 * (p[2] + p[3])
+        return count + 6
+    out[count] = p[0]
+    out[count + 1] = p[1]
+    length = p[0] - p[1]
+    out[count + 2] = p[0] + 3.0 * length
+    out[count + 3] = p[0] + 30.0 * length
+    out[count + 4] = p[0] + 1e3 * length
+    return count + 5
+
+
+@borrowing_kernel
+def _level_crossing(code, p, values, level, left, right):
+    """Return where a monotone part of a shape has a degree, by bisection."""
+    rises = _shape_degree(code, p, values, right) > level
+    for _ in range(80):
+        middle = 0.5 * (left + right)
+        if not left < middle < right:
+            break
+        if (_shape_degree(code, p, values, middle) > level) == rises:
+            right = middle
+        else:
+            left = middle
+    return 0.5 * (left + right)
+
+
+@borrowing_kernel
+def inverse(code, p, values, level, low, high):
+    """Return where a monotone set on [low, high] first reaches a degree, seen from the end at which it is smallest.
+
+    The end that is nearer in degree where the set does not reach it. For Tsukamoto's inference.
+    """
+    rises = degree(code, p, values, high) > degree(code, p, values, low)
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        if (degree(code, p, values, middle) >= level) == rises:
+            high = middle
+        else:
+            low = middle
+    if rises:
+        return low if degree(code, p, values, low) >= level else high
+    return high if degree(code, p, values, high) >= level else low
+
+
+@borrowing_kernel
+def degrees(code, p, values, x, out):
     """Write the membership degrees of ``x`` (n,) into ``out`` (n,)."""
     for i in range(x.size):
-        out[i] = degree(code, p, x[i])
+        out[i] = degree(code, p, values, x[i])
 
 
 @borrowing_kernel
@@ -110,12 +317,14 @@ def fuzzify(address, x):
     workspace = workspace_at(address)
     membership = workspace.membership
     active = workspace.active
+    # Sets by points are pieces of lines: no shape here reads values beside the table.
     for i in range(inputs.cell_start.size):
         low = inputs.range[at(i), 0]
         high = inputs.range[at(i), 1]
         value = min(max(x[at(i)], low), high)
         if not math.isfinite(x[at(i)]):
             return False
+        workspace.clamped[at(i)] = value
         first = inputs.term_start[at(i)]
         for n in range(first, first + workspace.active_count[at(i)]):
             membership[at(active[at(n)])] = 0.0
@@ -124,7 +333,7 @@ def fuzzify(address, x):
             cell += int(knot < value) + int(knot <= value)
         end = first
         for n in range(inputs.piece_start[at(cell)], inputs.piece_start[at(cell + 1)]):
-            found = degree(inputs.piece_shape[at(n)], inputs.piece[at(n)], value)
+            found = degree(inputs.piece_shape[at(n)], inputs.piece[at(n)], inputs.knot, value)
             if found > 0.0:
                 k = inputs.piece_term[at(n)]
                 membership[at(k)] = found

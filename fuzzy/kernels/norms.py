@@ -25,8 +25,15 @@ EINSTEIN_SUM = 4
 HAMACHER_SUM = 5
 NILPOTENT_MAXIMUM = 6
 
-SUM = 1
-"""Aggregation by an unbounded sum; beside ``MAX``."""
+SUM = 7
+"""Aggregation by an unbounded sum."""
+LEAST = 8
+"""Aggregation by the minimum, for implications that are large where a rule says nothing."""
+
+IMPLY_BOUNDED_SUM = 7
+IMPLY_ALGEBRAIC_SUM = 8
+IMPLY_KLEENE_DIENES = 9
+"""Implications beside the t-norms, whose codes they share."""
 
 
 @borrowing_kernel
@@ -79,3 +86,36 @@ def s_norm(code: int, a: float, b: float) -> float:
         rest = 1.0 - a * b
         return (high * (1.0 - low) + low * (1.0 - high)) / rest if rest > 0.0 else 1.0
     return high if low < 1.0 - high else 1.0
+
+
+@borrowing_kernel
+def implication(code: int, w: float, a: float) -> float:
+    """Return the degree that a rule of firing strength ``w`` gives to a place of degree ``a`` in its consequent.
+
+    A t-norm, the bounded sum min(1, w + a), the algebraic sum w + a - w a, or Kleene-Dienes: max(1 - w, a).
+    """
+    if code < IMPLY_BOUNDED_SUM:
+        return t_norm(code, w, a)
+    if code == IMPLY_BOUNDED_SUM:
+        return min(1.0, w + a)
+    if code == IMPLY_ALGEBRAIC_SUM:
+        return s_norm(ALGEBRAIC_SUM, w, a)
+    return max(1.0 - w, a)
+
+
+@borrowing_kernel
+def aggregation(code: int, a: float, b: float) -> float:
+    """Return the aggregate of two degrees: by an s-norm, their sum or their minimum."""
+    if code == SUM:
+        return a + b
+    return min(a, b) if code == LEAST else s_norm(code, a, b)
+
+
+@borrowing_kernel
+def bend_level(code: int, w: float) -> float:
+    """Return the degree at which an implication bends a set, besides w for the nilpotent minimum; -1 for none."""
+    if code == MIN:
+        return w
+    if code in (BOUNDED_DIFFERENCE, NILPOTENT_MINIMUM, IMPLY_BOUNDED_SUM, IMPLY_KLEENE_DIENES):
+        return 1.0 - w
+    return -1.0

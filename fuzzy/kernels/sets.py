@@ -1,9 +1,9 @@
 """The aggregated output set, point by point."""
 
-from fuzzy.kernels import membership
+from fuzzy.kernels import membership, norms
 from fuzzy.kernels.address import outputs_at, rules_at, workspace_at
 from fuzzy.kernels.jit import borrowing_kernel
-from fuzzy.kernels.norms import MIN, SUM
+from fuzzy.kernels.norms import LEAST, MAX, MIN, PRODUCT, SUM
 
 
 @borrowing_kernel
@@ -12,21 +12,44 @@ def implied(address, member, u, scale):
     outputs = outputs_at(address)
     workspace = workspace_at(address)
     k = workspace.member[member]
-    degree = membership.degree(outputs.shape[k], outputs.parameter[k], u)
+    degree = membership.degree(outputs.shape[k], outputs.parameter[k], outputs.value, u)
     level = workspace.level[member]
+    code = outputs.implication[0]
     # A level may be so small that the product of the two underflows: the scale comes first.
-    return scale * min(level, degree) if outputs.implication[0] == MIN else scale * level * degree
+    if code == MIN:
+        return scale * min(level, degree)
+    if code == PRODUCT:
+        return scale * level * degree
+    return scale * norms.implication(code, level, degree)
 
 
 @borrowing_kernel
 def aggregated_degree(address, output, u, scale):
-    """Return the degree at ``u`` of the aggregated set (paper eqs. (31), (32)), times ``scale``."""
-    outputs = outputs_at(address)
+    """Return the degree at ``u`` of the aggregated set (paper eqs. (31), (32)), times ``scale``.
+
+    The scale must be 1 unless the aggregation is max, sum or the minimum.
+    """
     rules = rules_at(address)
     workspace = workspace_at(address)
     start = rules.member_start[output]
-    total = 0.0
-    for n in range(start, start + workspace.member_count[output]):
+    return joined(address, start, start + workspace.member_count[output], u, scale)
+
+
+@borrowing_kernel
+def joined(address, start, end, u, scale):
+    """Return the degree at ``u`` of the aggregate of the members ``start`` to ``end``, times ``scale``."""
+    code = outputs_at(address).aggregation[0]
+    if end <= start:
+        return 0.0
+    total = implied(address, start, u, scale)
+    for n in range(start + 1, end):
         degree = implied(address, n, u, scale)
-        total = total + degree if outputs.aggregation[0] == SUM else max(total, degree)
+        if code == MAX:
+            total = max(total, degree)
+        elif code == SUM:
+            total += degree
+        elif code == LEAST:
+            total = min(total, degree)
+        else:
+            total = norms.aggregation(code, total, degree)
     return total

@@ -5,32 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy.kernels import codes
+
 Integers = NDArray[np.int64]
 Numbers = NDArray[np.float64]
-
-MIDPOINTS = 0
-ENDPOINTS = 1
-"""Sampling rules."""
-
-CLIPPED = 0
-"""Method of an output: min and max, at most two neighbouring sets overlap anywhere: polynomials of the heights."""
-SEPARATE = 1
-"""Method of an output: sum aggregation, each rule's own set in closed form."""
-ENVELOPE = 2
-"""Method of an output: upper envelope of piecewise-linear sets, exact."""
-QUADRATURE = 3
-"""Method of an output: sets of which some are curved, adaptive Gauss-Kronrod."""
-SAMPLED = 4
-"""Method of an output: samples of the aggregated set, as other engines do."""
-
-DEFAULT = 0
-HOLD = 1
-"""Policies of an output for which no rule fires: a fixed value (midpoint and NaN are such), or the last output."""
-
-NOT = -1
-AND = -2
-OR = -3
-"""Operators in ``RuleTables.program``; a number from 0 on pushes the degree of that input term."""
 
 
 class InputTables(NamedTuple):
@@ -48,8 +26,8 @@ class InputTables(NamedTuple):
     cell_start: Integers  # (n_in,) first cell of each input
     piece_start: Integers  # (n_cells + 1,) first piece of each cell
     piece_term: Integers  # (n_pieces,) term of each piece, ascending within a cell
-    piece_shape: Integers  # (n_pieces,) ``membership.LINE``, or the code of a curved shape
-    piece: Numbers  # (n_pieces, 4) parameters of the code
+    piece_shape: Integers  # (n_pieces,) ``codes.LINE``, or the code of a curved shape
+    piece: Numbers  # (n_pieces, 8) parameters of the code
 
 
 class RuleTables(NamedTuple):
@@ -77,11 +55,16 @@ class OutputTables(NamedTuple):
     range: Numbers  # (n_out, 2) low, high
     term_start: Integers  # (n_out + 1,) first term of each output
     shape: Integers  # (n_terms,) membership code
-    parameter: Numbers  # (n_terms, 4)
-    implication: Integers  # (1,) code of the t-norm
-    aggregation: Integers  # (1,) code of the s-norm
-    sampling: Integers  # (2,) number of samples and sampling rule
-    method: Integers  # (n_out,) CLIPPED ... SAMPLED
+    parameter: Numbers  # (n_terms, 8)
+    value: Numbers  # (n_values,) coordinates of points and coefficients of functions, to which parameters refer
+    peak: Numbers  # (n_terms,) the term's value for ``WEIGHTED_AVERAGE``; NaN where it depends on the inference
+    implication: Integers  # (1,) code
+    aggregation: Integers  # (1,) code
+    grouping: Integers  # (1,) LARGEST_STRENGTH ... EVERY_CONSEQUENT
+    maximum: Integers  # (1,) MEAN ... LARGEST_MAGNITUDE
+    sample_start: Integers  # (n_out + 1,) first sample of each output
+    sample: Numbers  # (n_samples, 2) place and weight
+    method: Integers  # (n_out,) CLIPPED ... SAMPLED_MAXIMA
     no_fire: Integers  # (n_out,) DEFAULT or HOLD
     no_fire_value: Numbers  # (n_out,)
     neighbour: Integers  # (n_terms,) the term to the right that overlaps this one, -1 for none
@@ -108,11 +91,13 @@ class Workspace(NamedTuple):
 
     One inference clears what the last one wrote, by the lists of what that was; the rest of the arrays is never read.
 
-    A member of an output's aggregated set is a term with its level: the largest firing strength under max, the sum of
-    strengths for the sum of scaled sets, and one member for every consequent that fires for the sum of clipped sets.
+    A member of an output's aggregated set is a term with its level, see ``OutputTables.grouping``: the largest firing
+    strength under max, the sum of strengths for the sum of scaled sets; where neither gives the aggregate of the rules'
+    own sets, every consequent that fires is a member.
     """
 
     input: Numbers  # (n_in,) crisp inputs of a call without arrays
+    clamped: Numbers  # (n_in,) crisp inputs within their ranges
     output: Numbers  # (n_out,) its crisp outputs, kept for the hold policy
     membership: Numbers  # (n_input_terms,) degrees of the input terms
     active: Integers  # (n_input_terms,) in each input's places its terms with a degree above 0
@@ -136,11 +121,14 @@ def new_workspace(tables: Tables) -> Workspace:
     n_in, n_out, n_input_terms = len(inputs.range), len(outputs.range), int(inputs.term_start[-1])
     n_rules, n_consequents = rules.consequent_start.size - 1, rules.consequent_term.size
     n_terms = outputs.shape.size
-    # Places where an envelope may bend within an interval, three for each pair of sets; or what a quadrature keeps of
-    # its intervals, 16 for each member.
-    n_scratch = max(3 * (n_terms + 1) ** 2, 8 * (16 * (n_consequents + 1) + 32))
+    # Places where an envelope may bend within an interval, three for each pair of sets; or the lines of all members and
+    # their bends; or what a quadrature keeps of its intervals between all points where a member may bend.
+    n_points = int(outputs.parameter[outputs.shape == codes.POINTS, 1].max(initial=0.0))
+    n_bends = 2 * (n_consequents + 1) * max(codes.MOST_BENDS, 2 * n_points)
+    n_scratch = max(3 * (n_terms + 1) ** 2, 8 * (n_consequents + 8), 8 * (n_bends + 32))
     return Workspace(
         input=np.zeros(n_in),
+        clamped=np.zeros(n_in),
         output=outputs.no_fire_value.copy(),
         membership=np.zeros(n_input_terms),
         active=np.zeros(n_input_terms, dtype=np.int64),

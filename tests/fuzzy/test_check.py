@@ -12,9 +12,9 @@ from fuzzy import edits
 from fuzzy.check import check, gaps, locate
 from fuzzy.formats import dumps, load, save
 from fuzzy.rules import parse_rule
-from fuzzy.shapes import Gaussian, Trapezoid, Triangle, degrees
+from fuzzy.shapes import Gaussian, Trapezoid, Triangle
 from fuzzy.system import FuzzySystem, Input, RuleBase, Sampling, Term
-from tests import strategies
+from tests import plain, strategies
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 DIAGONAL = load(RULEBASES / "diagonal.yaml")
@@ -204,7 +204,7 @@ def test_gaps(variable, expected):
 def test_gaps_are_where_all_degrees_are_zero(system):
     for variable in system.inputs:
         x = np.linspace(variable.low, variable.high, 301)
-        degree = np.max([degrees(term.shape, x) for term in variable.terms], axis=0)
+        degree = np.max([plain.degrees(term.shape, x) for term in variable.terms], axis=0)
         in_gap = np.zeros(x.shape, dtype=bool)
         inside_gap = np.zeros(x.shape, dtype=bool)
         for low, high in gaps(variable):

@@ -15,9 +15,9 @@ from fuzzy.errors import InvalidInputError
 from fuzzy.formats import load
 from fuzzy.inference import Controller, compile_system
 from fuzzy.kernels.inference import evaluate
-from fuzzy.shapes import Triangle, degrees
+from fuzzy.shapes import Triangle
 from fuzzy.system import FuzzySystem, Inference, Input, Is, NoFire, OutOfRange, Output, Rule, RuleBase, Sampling, Term
-from tests import generated
+from tests import generated, plain
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 DIAGONAL = load(RULEBASES / "diagonal.yaml")
@@ -171,7 +171,7 @@ def test_explain_shows_what_the_kernel_saw():
         for variable, x in zip(system.inputs, inputs, strict=True):
             inside = min(max(x, variable.low), variable.high)
             for term in variable.terms:
-                assert trace.memberships[variable.name][term.name] == degrees(term.shape, inside)
+                assert trace.memberships[variable.name][term.name] == plain.degrees(term.shape, inside)
         assert [rule.strength for rule in trace.rules] == sorted(trace.strength[trace.strength > 0].tolist())[::-1]
         assert {rule.number for rule in trace.rules} == set(np.flatnonzero(trace.strength).tolist())
         for output in system.outputs:
@@ -266,7 +266,7 @@ def test_center_of_sums_counts_every_rule_whatever_the_aggregation(x, implicatio
     u = np.linspace(output.low, output.high, 1_700_001)
     area = moment = 0.0
     for fired in controller.explain(*x).rules:
-        degree = degrees(shapes[fired.rule.consequents[0].term], u)
+        degree = plain.degrees(shapes[fired.rule.consequents[0].term], u)
         own = np.minimum(fired.strength, degree) if implication == "min" else fired.strength * degree
         area += float(np.trapezoid(own, u))
         moment += float(np.trapezoid(own * u, u))

@@ -14,10 +14,10 @@ from fuzzy import edits, patterns
 from fuzzy.errors import InvalidSystemError
 from fuzzy.formats import load
 from fuzzy.rules import all_rules, format_rule, parse_rule, propositions
-from fuzzy.shapes import Gaussian, Trapezoid, Triangle, degrees, parameter_names, parameters
+from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle, parameter_names, parameters
 from fuzzy.system import FuzzySystem, Input, Is, NoFire, Output, RuleBase, Sampling, Term
 from fuzzy.validation import validate
-from tests import strategies
+from tests import plain, strategies
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 DIAGONAL = load(RULEBASES / "diagonal.yaml")
@@ -28,7 +28,7 @@ def _variable(system: FuzzySystem, name: str) -> Input | Output:
     return next(entry for entry in (*system.inputs, *system.outputs) if entry.name == name)
 
 
-def _shape(system: FuzzySystem, variable: str, term: str) -> Triangle | Trapezoid | Gaussian:
+def _shape(system: FuzzySystem, variable: str, term: str) -> Shape:
     return next(entry.shape for entry in _variable(system, variable).terms if entry.name == term)
 
 
@@ -98,7 +98,7 @@ def test_fills_that_do_not_fit_say_so():
 def _assert_partition(system: FuzzySystem, variable: str) -> None:
     found = _variable(system, variable)
     x = np.linspace(found.low, found.high, 1001)
-    assert np.sum([degrees(term.shape, x) for term in found.terms], axis=0) == pytest.approx(1, abs=1e-12)
+    assert np.sum([plain.degrees(term.shape, x) for term in found.terms], axis=0) == pytest.approx(1, abs=1e-12)
 
 
 MIXED = replace(
@@ -198,7 +198,7 @@ def test_scaling_a_range_keeps_every_degree(drawn, low, width):
         # A jump lies on either side of a rounded point: look beside the ends.
         away = np.min([np.abs(x - end) for end in ends], axis=0) > 1e-9 * (1 + abs(old.low) + old.high - old.low)
         x, moved = x[away], (low + width * fraction)[away]
-        assert degrees(after.shape, moved) == pytest.approx(degrees(before.shape, x), abs=1e-7)
+        assert plain.degrees(after.shape, moved) == pytest.approx(plain.degrees(before.shape, x), abs=1e-7)
 
 
 def test_a_range_that_leaves_the_default_outside_is_refused():

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from fuzzy.inference import Controller, compile_system
-from fuzzy.kernels import tables as codes
+from fuzzy.kernels import codes
 from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle
 from fuzzy.system import FuzzySystem, Inference, Input, Is, NoFire, Output, Rule, RuleBase, Sampling, Term
 from tests import generated, reference, strategies

@@ -13,17 +13,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzy import compiler, geometry, shapes
+from fuzzy import geometry, sets, shapes
+from fuzzy.compiler import rules as compiled_rules
 from fuzzy.kernels import exact, norms, quadrature, sampled
 from fuzzy.kernels.jit import fix_types
 from fuzzy.system import SNorm, TNorm
-from tests import reference, strategies
+from tests import plain, reference, strategies
 
 DEGREES = st.floats(0.0, 1.0)
 SIXTY_FOURTHS = st.integers(0, 64).map(lambda n: n / 64)
 """Degrees whose sums are exact: two norms jump where a + b = 1."""
-T_NORMS = {name: compiler._T_NORM[name] for name in typing.get_args(TNorm)}
-S_NORMS = {name: compiler._S_NORM[name] for name in typing.get_args(SNorm)}
+T_NORMS = {name: compiled_rules.T_NORM[name] for name in typing.get_args(TNorm)}
+S_NORMS = {name: compiled_rules.S_NORM[name] for name in typing.get_args(SNorm)}
 JUMPING = ("drastic_product", "nilpotent_minimum", "drastic_sum", "nilpotent_maximum")
 DUALS = list(zip(T_NORMS, S_NORMS, strict=True))
 
@@ -86,7 +87,7 @@ def test_norms_are_dual(t, s, a, b):
 
 @given(strategies.shapes_on(0.0, 1.0, needs_area=True, has_gaussians=False), st.floats(0.0, 1.0))
 def test_polynomials_give_area_and_moment_of_a_clipped_set(shape, height):
-    segments = geometry.clipped_to(shapes.segments(shape), 0.0, 1.0)
+    segments = geometry.clipped_to(sets.segments(plain.term(shape)), 0.0, 1.0)
     rows = geometry.cut_polynomials(segments, 0.5)
     row = [row for row in rows if row[0] <= height][-1]
     d = height - row[0]
@@ -95,7 +96,7 @@ def test_polynomials_give_area_and_moment_of_a_clipped_set(shape, height):
     points = sorted({end for segment in segments for end in segment[:2]})
     u = np.concatenate([a + (b - a) * (np.arange(20_000) + 0.5) / 20_000 for a, b in itertools.pairwise(points)])
     weight = np.concatenate([np.full(20_000, (b - a) / 20_000) for a, b in itertools.pairwise(points)])
-    clipped = weight * np.minimum(shapes.degrees(shape, u), height)
+    clipped = weight * np.minimum(plain.degrees(shape, u), height)
     assert area == pytest.approx(clipped.sum(), abs=1e-7)
     assert moment == pytest.approx((clipped * (u - 0.5)).sum(), abs=1e-7)
 
@@ -106,19 +107,19 @@ def test_polynomials_give_area_and_moment_of_a_clipped_set(shape, height):
     st.floats(0.0, 1.0),
 )
 def test_an_intersection_is_the_smaller_of_two_sets(one, other, u):
-    parts = geometry.intersection(shapes.segments(one), shapes.segments(other), 0.0, 1.0)
+    parts = geometry.intersection(sets.segments(plain.term(one)), sets.segments(plain.term(other)), 0.0, 1.0)
     for part in parts:
         x = part.left + u * (part.right - part.left)
         if part.left < x < part.right:
-            smaller = min(shapes.degrees(one, x), shapes.degrees(other, x))
+            smaller = min(plain.degrees(one, x), plain.degrees(other, x))
             steepness = max(1.0, abs(part.at_right - part.at_left) / (part.right - part.left))
             assert geometry.degree(part, x) == pytest.approx(smaller, abs=1e-13 * steepness)
     if not any(part.left <= u <= part.right for part in parts) and 0.0 < u < 1.0:
-        assert min(shapes.degrees(one, u), shapes.degrees(other, u)) == 0.0 or _is_vertex(u, one, other)
+        assert min(plain.degrees(one, u), plain.degrees(other, u)) == 0.0 or _is_vertex(u, one, other)
 
 
-def _is_vertex(u: float, *sets: shapes.Shape) -> bool:
-    return any(u in shapes.break_points(shape) for shape in sets)
+def _is_vertex(u: float, *given: shapes.Shape) -> bool:
+    return any(u in sets.break_points(plain.term(shape)) for shape in given)
 
 
 @given(st.lists(st.floats(allow_nan=False), max_size=12), st.integers(0, 12))

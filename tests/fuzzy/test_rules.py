@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from fuzzy.errors import FormatError
 from fuzzy.rules import MAX_DEPTH, MAX_PROPOSITIONS, all_rules, depth, format_rule, parse_rule, table_rule_indices
 from fuzzy.shapes import Triangle
-from fuzzy.system import And, FuzzySystem, Input, Is, Not, Or, Output, Rule, RuleBase, Term
+from fuzzy.system import And, FuzzySystem, Hedged, Input, Is, Not, Or, Output, Rule, RuleBase, Term
 from tests import strategies
 
 ANY = Triangle(-1, 0, 1)
@@ -46,6 +46,14 @@ LL = (Is("T", "LL"),)
         ("if ((e is NB)) then T is LL", Rule(NB, LL)),
         ("if (e is NB and de is FL) and e is PB then T is LL", Rule(And((And((NB, FL)), PB)), LL)),
         ('if "oil level" is "say ""hi""" then T is LL', Rule(Is("oil level", 'say "hi"'), LL)),
+        ("if e is very NB then T is LL", Rule(Hedged(Is("e", "NB"), "very"), LL)),
+        ("if e is not VERY NB then T is LL", Rule(Not(Hedged(Is("e", "NB"), "very")), LL)),
+        ("if e is very not NB then T is LL", Rule(Hedged(Not(Is("e", "NB")), "very"), LL)),
+        (
+            "if any (e is Z or somewhat e is NB) then T is LL",
+            Rule(Hedged(Or((Is("e", "Z"), Hedged(Is("e", "NB"), "somewhat"))), "any"), LL),
+        ),
+        ("if T is LL and e is NB then T is LL", Rule(And((Is("T", "LL"), Is("e", "NB"))), LL)),
         ('if e is "very big" or e is "and" then T is LL', Rule(Or((Is("e", "very big"), Is("e", "and"))), LL)),
         ("if e is NB then T is LL, U is on with 1e-1", Rule(NB, (Is("T", "LL"), Is("U", "on")), 0.1)),
     ],
@@ -59,18 +67,17 @@ def test_reads_what_is_meant(text, rule):
     [
         ("", 1, "expected 'if', found the end of the rule"),
         ("when e is NB", 1, "expected 'if', found 'when'"),
-        ("if then T is LL", 4, "expected an input, 'not' or '(', found 'then'"),
+        ("if then T is LL", 4, "expected an input, 'not', a hedge or '(', found 'then'"),
         ("if e NB then T is LL", 6, "expected 'is', found 'NB'"),
         ("if e is NB T is LL", 12, "expected 'then', 'and' or 'or', found 'T'"),
         ("if e is NB then T is LL e", 25, "expected ',', 'with' or the end of the rule, found 'e'"),
         ("if x is NB then T is LL", 4, "unknown variable 'x'; valid: e, de, oil level"),
         ("if d is FL then T is LL", 4, "unknown variable 'd'; did you mean 'de'? valid: e, de, oil level"),
-        ("if T is LL then T is LL", 4, "'T' is an output, an antecedent names inputs: e, de, oil level"),
         ("if e is NB then e is LL", 17, "'e' is an input, a consequent names outputs: T, U"),
         ("if de is FX then T is LL", 10, "unknown term of 'de': 'FX'; valid: FL, Z, FR"),
         ("if e is nb then T is LL", 9, "unknown term of 'e': 'nb'; did you mean 'NB'? valid: NB, Z, PB, very big, and"),
         ("if e is and then T is LL", 9, "the name 'and' is a keyword too: write it in double quotes"),
-        ("if e is very big then T is LL", 9, "unknown term of 'e': 'very'; did you mean 'very big'?"),
+        ("if e is very big then T is LL", 14, "unknown term of 'e': 'big'"),
         ("if (e is NB then T is LL", 13, "expected ')', 'and' or 'or', found 'then'"),
         ("if e is NB) then T is LL", 11, "expected 'then', 'and' or 'or', found ')'"),
         ("if e is NB then T is not LL", 22, "a consequent cannot be negated: expected a term"),

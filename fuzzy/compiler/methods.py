@@ -1,0 +1,118 @@
+"""Which method defuzzifies an output: the fastest that is exact for its sets and the operators."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, assert_never
+
+from fuzzy.kernels import codes, norms
+from fuzzy.system import Aggregation, Inference, Sampling
+
+IMPLICATION = {
+    "min": norms.MIN,
+    "product": norms.PRODUCT,
+    "bounded_difference": norms.BOUNDED_DIFFERENCE,
+    "drastic_product": norms.DRASTIC_PRODUCT,
+    "einstein_product": norms.EINSTEIN_PRODUCT,
+    "hamacher_product": norms.HAMACHER_PRODUCT,
+    "nilpotent_minimum": norms.NILPOTENT_MINIMUM,
+    "bounded_sum": norms.IMPLY_BOUNDED_SUM,
+    "algebraic_sum": norms.IMPLY_ALGEBRAIC_SUM,
+    "kleene_dienes": norms.IMPLY_KLEENE_DIENES,
+}
+AGGREGATION = {
+    "max": norms.MAX,
+    "sum": norms.SUM,
+    "algebraic_sum": norms.ALGEBRAIC_SUM,
+    "bounded_sum": norms.BOUNDED_SUM,
+    "drastic_sum": norms.DRASTIC_SUM,
+    "einstein_sum": norms.EINSTEIN_SUM,
+    "hamacher_sum": norms.HAMACHER_SUM,
+    "nilpotent_maximum": norms.NILPOTENT_MAXIMUM,
+    "min": norms.LEAST,
+}
+MAXIMUM = {
+    "mom": codes.MEAN,
+    "som": codes.SMALLEST,
+    "lom": codes.LARGEST,
+    "som_abs": codes.SMALLEST_MAGNITUDE,
+    "lom_abs": codes.LARGEST_MAGNITUDE,
+}
+"""Codes of the defuzzifiers that ask where the set is largest."""
+
+WEIGHTED = frozenset({"height", "weighted_average", "weighted_sum"})
+"""Defuzzifiers that need no set."""
+
+_STRAIGHT_IMPLICATIONS = frozenset(IMPLICATION) - {"einstein_product", "hamacher_product"}
+_STRAIGHT_AGGREGATIONS = frozenset({"max", "sum", "bounded_sum", "min"})
+
+
+class Traits(NamedTuple):
+    """What the choice of a method depends on.
+
+    Attributes:
+        is_linear: All sets are piecewise linear.
+        is_pointwise: All sets are singletons.
+        only_neighbours_overlap: Nowhere do three sets overlap, and none overlaps two others on its right.
+    """
+
+    is_linear: bool
+    is_pointwise: bool
+    only_neighbours_overlap: bool
+
+
+def aggregation(inference: Inference) -> Aggregation:
+    """Return how the sets are aggregated: the center of sums is the centroid of their sum, whatever is chosen."""
+    return "sum" if inference.defuzzifier == "center_of_sums" else inference.aggregation
+
+
+def grouping(inference: Inference) -> int:
+    """Return what the members of an output's set are, so that their aggregate is that of all the rules' own sets."""
+    joined = aggregation(inference)
+    grows = inference.implication != "kleene_dienes"  # with the firing strength
+    if joined == ("max" if grows else "min"):
+        return codes.LARGEST_STRENGTH
+    is_weighted = inference.defuzzifier in WEIGHTED
+    if joined == "sum" and inference.implication == "product" and not is_weighted:
+        return codes.SUM_OF_STRENGTHS
+    return codes.EVERY_CONSEQUENT
+
+
+def method(inference: Inference, traits: Traits) -> int:
+    """Return the code of the method for an output."""
+    defuzzifier = inference.defuzzifier
+    if defuzzifier in WEIGHTED or traits.is_pointwise:
+        return codes.WEIGHTED_SUM if defuzzifier == "weighted_sum" else codes.WEIGHTED_AVERAGE
+    is_straight = (
+        traits.is_linear
+        and inference.implication in _STRAIGHT_IMPLICATIONS
+        and aggregation(inference) in _STRAIGHT_AGGREGATIONS
+    )
+    is_sampled = isinstance(inference.resolution, Sampling)
+    match defuzzifier:
+        case "centroid" | "center_of_sums":
+            if is_sampled:
+                return codes.SAMPLED
+            return _centroid(inference, traits) if is_straight else codes.QUADRATURE
+        case "bisector":
+            if is_sampled:
+                return codes.SAMPLED_BISECTOR
+            return codes.LINEAR_BISECTOR if is_straight else codes.CURVED_BISECTOR
+        case "mom" | "som" | "lom" | "som_abs" | "lom_abs":
+            if is_sampled:
+                return codes.SAMPLED_MAXIMA
+            return codes.LINEAR_MAXIMA if is_straight else codes.CURVED_MAXIMA
+        case "height" | "weighted_average" | "weighted_sum":
+            raise AssertionError(defuzzifier)
+        case _:
+            assert_never(defuzzifier)
+
+
+def _centroid(inference: Inference, traits: Traits) -> int:
+    joined = aggregation(inference)
+    if inference.implication in {"min", "product"}:
+        if joined == "sum":
+            return codes.SEPARATE
+        if joined == "max":
+            is_clipped = inference.implication == "min" and traits.only_neighbours_overlap
+            return codes.CLIPPED if is_clipped else codes.ENVELOPE
+    return codes.LINEAR_CENTROID
