@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 RGB = tuple[int, int, int]
 
@@ -43,6 +44,18 @@ def term_color(index: int, count: int) -> RGB:
     place = (len(_SCALE) - 1) * (index / (count - 1) if count > 1 else 0.5)
     channels = [float(np.interp(place, range(len(_SCALE)), _SCALE[:, channel])) for channel in range(3)]
     return tuple(round(value) for value in channels)  # pyright: ignore[reportReturnType]
+
+
+def linear(colors: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """Return colours (n, 3) as linear light, as vertices and batched meshes want them: else they look pale."""
+    return (255.0 * (colors / 255.0) ** 2.2).round().astype(np.uint8)
+
+
+def scale_colors(shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the scale's colours (n, 3) at shares (n,) from 0 to 1."""
+    place = (len(_SCALE) - 1) * shares
+    channels = [np.interp(place, range(len(_SCALE)), _SCALE[:, channel]) for channel in range(3)]
+    return np.stack(channels, axis=1)
 
 
 def css(color: RGB, alpha: float = 1.0) -> str:

@@ -15,10 +15,10 @@ from app.filing import Filing
 from app.guard import start_server
 from app.journal import Journal
 from app.runner import Frame, Runner
+from app.scene.scene import Scene
 from app.state import Asked, Event, Notice, Noticed, PlaybackChanged, Redo, ResetRequested, RunKept, Undo, initial
 from app.storage import Storage
 from app.store import Store
-from app.views.arm import ArmView
 from app.views.explain import ExplainView
 from app.views.files import FilesView
 from app.views.inference import InferenceView
@@ -112,10 +112,10 @@ class Workbench:
         gui.main_panel.set_width(_PANEL_WIDTH)
         run.response.dock_below(gui.main_panel)
         question = QuestionView(gui, dispatch, self._filing, self._journal)
-        arm = ArmView(self.server)
-        self._live_views = [arm, rules, membership, explanation, *run.live_views]
+        scene = Scene(self.server, dispatch, self._runner.pull)
+        self._live_views = [scene, rules, membership, explanation, *run.live_views]
         self.store.add(self._journal, self._runner, rules, membership, inference, explanation, files, question)
-        self.store.add(*run.views)
+        self.store.add(scene, *run.views)
         self._add_commands(run.playback)
 
     def _add_commands(self, playback: PlaybackView) -> None:

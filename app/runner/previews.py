@@ -14,7 +14,8 @@ from app import experiment
 from app.experiment import Experiment
 from app.runner.advice import advise
 from app.runner.live import PATIENCE, LiveSimulation
-from app.state import Advised, Event, Notice, Noticed, Result, RunFinished, Setup
+from app.state import Advised, Event, Notice, Noticed, Result, RunFinished, Setup, SurfaceFound
+from fuzzy import analysis
 from fuzzy.errors import FuzzyError
 from fuzzy.system import FuzzySystem
 from robot.arm import Arm
@@ -24,6 +25,9 @@ from robot.simulation import Run, simulate
 
 PICTURE_ROWS = 600
 """Rows of a run that a picture needs: more than a panel has pixels."""
+
+SURFACE_POINTS = (41, 41)
+"""Of the control surface, along each input."""
 
 Post = Callable[[Event], None]
 
@@ -36,6 +40,7 @@ class Previews:
         self._live = live
         self._warm_up = warm_up
         self._wanted: queue.SimpleQueue[tuple[FuzzySystem, Setup] | None] = queue.SimpleQueue()
+        self._surface: FuzzySystem | None = None
         self._pid: tuple[tuple[Arm, Scenario], Result] | None = None
         self._thread = threading.Thread(target=self._run, name="previews", daemon=True)
         self._thread.start()
@@ -60,12 +65,24 @@ class Previews:
             try:
                 finished = self._preview(*wanted)
                 self._post(finished)
+                self._find_surface(finished.document)
                 advice = advise(finished.setup, finished.result, lambda: not self._wanted.empty())
                 if advice is not None:
                     self._post(Advised(finished.result, advice))
             except (FuzzyError, RobotError) as error:
                 # The last good controller goes on.
                 self._post(Noticed(Notice(f"Cannot run this: {error}.", is_error=True)))
+
+    def _find_surface(self, document: FuzzySystem) -> None:
+        """Post the control surface of a document that has another one than the last, unless something newer waits."""
+        if document is self._surface or not self._wanted.empty():
+            return
+        surface = None
+        if len(document.inputs) == 2:
+            row, column = (variable.name for variable in document.inputs)
+            surface = analysis.surface(fuzzy.compile_system(document), column, row, SURFACE_POINTS)
+        self._surface = document
+        self._post(SurfaceFound(document, surface))
 
     def _preview(self, document: FuzzySystem, setup: Setup) -> RunFinished:
         controller = fuzzy.compile_system(document)

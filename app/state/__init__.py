@@ -26,6 +26,7 @@ from app.state.events import (
     Saved,
     Selected,
     SetupChanged,
+    SurfaceFound,
     Undo,
 )
 from app.state.model import (
@@ -105,6 +106,7 @@ __all__ = [
     "SetupChanged",
     "Source",
     "Step",
+    "SurfaceFound",
     "Undo",
     "Work",
     "initial",

@@ -10,6 +10,7 @@ import msgspec
 from app.state.model import Advice, Notice, Question, Result, Source, Work
 from app.state.setup import Setup
 from app.storage import Stamp
+from fuzzy.analysis import Surface
 from fuzzy.check import Finding
 from fuzzy.system import FuzzySystem
 
@@ -126,6 +127,13 @@ class RunFinished(msgspec.Struct, frozen=True, eq=False):
     findings: tuple[Finding, ...] = ()
 
 
+class SurfaceFound(msgspec.Struct, frozen=True, eq=False):
+    """The control surface of ``document`` was computed; None where it has none."""
+
+    document: FuzzySystem
+    surface: Surface | None
+
+
 class Advised(msgspec.Struct, frozen=True, eq=False):
     """It was found out what to look at where ``result`` overshoots."""
 
@@ -163,6 +171,7 @@ Event = (
     | KeptRenamed
     | KeptRemoved
     | RunFinished
+    | SurfaceFound
     | Advised
     | Progressed
     | Noticed

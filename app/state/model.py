@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from app.state.design import Design
 from app.state.setup import Setup
 from app.storage import Stamp
+from fuzzy.analysis import Surface
 from fuzzy.check import Finding
 from fuzzy.system import FuzzySystem, Rule
 from robot.metrics import Metrics
@@ -173,6 +174,7 @@ class Runs(msgspec.Struct, frozen=True, eq=False):
     before: Result | None = None
     pid: Result | None = None
     kept: tuple[Kept, ...] = ()
+    surface: Surface | None = None  # of the document that ran; None for more or fewer than two inputs
     advice: tuple[Advice, ...] | None = None  # on the present run; None while it is worked out
 
 

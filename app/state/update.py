@@ -29,6 +29,7 @@ from app.state.events import (
     Saved,
     Selected,
     SetupChanged,
+    SurfaceFound,
     Undo,
 )
 from app.state.model import AppState, Notice, Source, Step, Work
@@ -109,6 +110,8 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
                 return state
             runs = _replace(state.runs, current=event.result, pid=event.pid, advice=None)
             return _replace(state, runs=runs, findings=event.findings)
+        case SurfaceFound():
+            return _replace(state, runs=_replace(state.runs, surface=event.surface))
         case Advised():
             if event.result is not state.runs.current:
                 return state

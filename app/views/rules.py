@@ -8,6 +8,7 @@ import numpy as np
 import viser
 
 from app import clean, grid
+from app.painting import grid_variables, painted, shown_grid
 from app.palette import MUTED
 from app.runner import Frame
 from app.state import AppState, DesignChanged, Edit, Selected
@@ -17,8 +18,7 @@ from app.views.findings import FindingsView
 from app.views.rule_list import RuleListView
 from app.widgets import div, on_input
 from fuzzy import edits, rules
-from fuzzy.edits import Grid
-from fuzzy.system import FuzzySystem, Variable
+from fuzzy.system import Variable
 
 _FILLS = {
     "diagonal": edits.fill_diagonal,
@@ -30,8 +30,6 @@ _FROM_GAINS = "PD"
 _GAINS = "Kp · Kd"
 _MOST_GAIN = 1e9
 _GAIN_STEP = 0.001
-_MOST_CELLS = 400
-"""Cells that a page can hold as buttons; a greater table is shown as text only."""
 
 
 class RulesView:
@@ -71,7 +69,7 @@ class RulesView:
         self._axes.render(state)
         self._findings.render(state)
         self._list.render(state)
-        shown = _shown(state)
+        shown = shown_grid(state)
         is_same = (
             before is not None
             and before.document is state.document
@@ -88,7 +86,7 @@ class RulesView:
             self._brush.content = self._glow.content = ""
             self._numbers = np.empty((0, 0), dtype=np.int64)
             return
-        rows, columns, output = _variables(state.document, shown)
+        rows, columns, output = grid_variables(state.document, shown)
         self._ensure_buttons(rows, columns, output)
         assert self._brush_buttons is not None
         assert self._cell_buttons is not None
@@ -144,28 +142,19 @@ class RulesView:
 
     def _choose(self, number: int) -> None:
         state = self._present()
-        shown = _shown(state)
-        names = [] if shown is None else [term.name for term in _variables(state.document, shown)[2].terms]
+        shown = shown_grid(state)
+        names = [] if shown is None else [term.name for term in grid_variables(state.document, shown)[2].terms]
         self._dispatch(Selected({"brush": names[number] if number < len(names) else None}))
 
     def _paint(self, number: int) -> None:
-        state = self._present()
-        shown = _shown(state)
-        if shown is None:
-            return
-        rows, columns, _ = _variables(state.document, shown)
-        i, j = divmod(number, len(columns.terms))
-        if i >= len(rows.terms):
-            return  # pressed while the table was being replaced by a smaller one
-        row, column, brush = rows.terms[i].name, columns.terms[j].name, state.brush
-        label = f"({row}, {column}) → {brush or 'no rule'}"
-        change = partial(edits.set_cell, row=row, column=column, consequent=brush, grid=shown)
-        self._dispatch(Edit(label, change))
+        edit = painted(self._present(), number)
+        if edit is not None:
+            self._dispatch(edit)
 
     def _filled(self, value: object) -> Edit | None:
         state = self._present()
         name = clean.choice(value, (*_FILLS, _FROM_GAINS), "the pattern")
-        shown = _shown(state)
+        shown = shown_grid(state)
         if shown is None:
             return None
         if name in _FILLS:
@@ -184,20 +173,6 @@ def _gained(value: object) -> DesignChanged:
         raise clean.Refused("the gains are no pair; valid are two numbers")
     kp, kd = (clean.number(one, -_MOST_GAIN, _MOST_GAIN, name) for one, name in zip(value, ("Kp", "Kd"), strict=True))
     return DesignChanged({"gains": (kp, kd)})
-
-
-def _shown(state: AppState) -> Grid | None:
-    """Return the grid that is shown as a table; None where there is none, or one that is too large."""
-    shown = state.design.grid
-    if shown is None:
-        return None
-    rows, columns, _ = _variables(state.document, shown)
-    return shown if len(rows.terms) * len(columns.terms) <= _MOST_CELLS else None
-
-
-def _variables(system: FuzzySystem, shown: Grid) -> tuple[Variable, Variable, Variable]:
-    by_name: dict[str, Variable] = {variable.name: variable for variable in (*system.inputs, *system.outputs)}
-    return by_name[shown.rows], by_name[shown.columns], by_name[shown.output]
 
 
 def _activity(state: AppState) -> np.ndarray | None:

@@ -12,6 +12,7 @@ from app.views.experiment import ExperimentView
 from app.views.metrics import MetricsView
 from app.views.playback import PlaybackView
 from app.views.plots import PlotsView
+from app.views.stage import StageView
 from app.views.why import WhyView
 
 
@@ -30,6 +31,8 @@ class RunPanels:
         experiment = ExperimentView(gui, dispatch)
         with gui.add_folder("Baselines", expand_by_default=False):
             baselines = BaselinesView(gui, dispatch)
+        with gui.add_folder("View", expand_by_default=False):
+            stage = StageView(gui, dispatch)
         self.response = gui.add_panel()
         with self.response.add_tab("Plots", viser.Icon.CHART_LINE):
             plots = PlotsView(gui, dispatch)
@@ -37,5 +40,5 @@ class RunPanels:
             metrics = MetricsView(gui)
         with self.response.add_tab("Why", viser.Icon.QUESTION_MARK):
             why = WhyView(gui, dispatch)
-        self.views: tuple[Any, ...] = (self.playback, experiment, baselines, plots, metrics, why)
+        self.views: tuple[Any, ...] = (self.playback, experiment, baselines, stage, plots, metrics, why)
         self.live_views: tuple[Any, ...] = (self.playback, plots, why)

@@ -41,6 +41,7 @@ from app.state import (
     Selected,
     Setup,
     SetupChanged,
+    SurfaceFound,
     Undo,
     Work,
     initial,
@@ -570,7 +571,7 @@ def test_every_event_is_handled():
         ),
         *(Progressed, Noticed, Recovered, Asked),
         *(Edit, Undo, Redo, Opened, Saved, Selected, SetupChanged, PlaybackChanged, ResetRequested, RunFinished),
-        *(Progressed, Noticed, RunKept, KeptRenamed, KeptRemoved, Advised),
+        *(Progressed, Noticed, RunKept, KeptRenamed, KeptRemoved, Advised, SurfaceFound),
     }
     with pytest.raises(AssertionError):
         update(initial(DIAGONAL), cast("Event", object()))

@@ -21,6 +21,7 @@ import fuzzy
 from app import experiment, guard
 from app.filing import Filing
 from app.runner import Frame
+from app.scene.scene import Scene
 from app.state import (
     AppState,
     Edit,
@@ -36,7 +37,6 @@ from app.state import (
 )
 from app.storage import Stamp, Storage
 from app.store import Store
-from app.views.arm import ArmView
 from app.views.explain import ExplainView
 from app.views.files import FilesView
 from app.views.inference import InferenceView
@@ -51,6 +51,7 @@ from fuzzy.system import FuzzySystem, Input, Is, NoFire, Output, Rule, RuleBase,
 from robot.arm import Arm
 from robot.controllers import FuzzyFlc
 from robot.errors import RobotError
+from robot.pull import Pull
 from robot.simulation import Run, simulate
 from tests import strategies
 
@@ -88,8 +89,9 @@ class Screen:
         live = (RulesView(gui, dispatch), MembershipView(gui, dispatch), ExplainView(gui))
         self.live_views: list[Any] = [*live, *run.live_views]
         self.views: list[Any] = [*live, *run.views, InferenceView(gui, dispatch), FilesView(gui, dispatch, filing)]
-        self.arm = ArmView(self.server)
-        self.store.add(*self.views)
+        self.pulls: list[Pull | None] = []
+        self.scene = Scene(self.server, dispatch, self.pulls.append)
+        self.store.add(*self.views, self.scene)
 
     def on_loop(self, do: Callable[[], Returned]) -> Returned:
         async def run() -> Returned:
@@ -106,7 +108,7 @@ class Screen:
         return self.dispatch(Opened(document, "other.yaml", STAMP, ("mine.yaml", "other.yaml")))
 
     def show(self, frame: Frame) -> None:
-        for view in [*self.live_views, self.arm]:
+        for view in [*self.live_views, self.scene]:
             self.on_loop(lambda view=view: view.show(frame))
 
     def handles(self) -> dict[str, Any]:

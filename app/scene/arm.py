@@ -1,21 +1,26 @@
-"""The scene: the arm as a smooth tube with its rods and actuators, and its target as a ghost."""
+"""The arm as a smooth tube with its rods and actuators; its target and kept runs as ghosts."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from app.palette import RGB
+from app.palette import KEPT, RGB
 from app.runner import Frame
-from app.tube import tube_faces, tube_vertices
+from app.scene.stage import base_height
+from app.scene.tube import tube_faces, tube_vertices
+from app.state import MAX_KEPT, AppState
 from robot import kinematics
 from robot.arm import Arm, parameters
 
 _BODY_RADIUS = 0.020
 _GHOST_RADIUS = 0.018
+_KEPT_RADIUS = 0.013
+"""So thin that a kept run shows only where it differs: two skins at one place would flicker."""
 _ACTUATOR_RADIUS = 0.0045
 _ROD_RADIUS = 0.005
 _POINTS = 33
@@ -35,10 +40,6 @@ _FORCE_FOR_FULL_COLOR = 15.0
 
 _COLOR_STEPS = 24
 
-_STRETCH = 1.65
-_CLEARANCE = 0.02
-"""The base hangs as high over the floor as the arm is long when stretched so much, and this much higher (m)."""
-
 _PLATE_THICKNESS = 0.016
 _ROD_OVERHANG = 0.006
 
@@ -49,33 +50,22 @@ Vertices = NDArray[np.float32]
 class ArmView:
     """Meshes of the arm, made anew only when the number of modules changes."""
 
-    def __init__(self, server: viser.ViserServer) -> None:
-        self._scene = server.scene
+    def __init__(self, scene: viser.SceneApi, on_body: Callable[[viser.MeshHandle], None] | None = None) -> None:
+        self._scene = scene
+        self._on_body = on_body
         self._meshes: list[Any] = []
         self._modules = 0
         self._height = 0.0
         self._target: Array | None = None
-        self._scene.set_up_direction("+z")
-        self._scene.configure_default_lights(enabled=False)
-        self._scene.configure_environment_map(hdri=None)
-        self._scene.add_light_hemisphere(
-            "/lights/sky", sky_color=(255, 255, 255), ground_color=(120, 124, 140), intensity=1.6
-        )
-        self._scene.add_light_directional(
-            "/lights/sun", color=(255, 250, 242), intensity=1.7, position=(0.6, -1.2, 1.4)
-        )
-        self._scene.add_grid(
-            "/floor",
-            width=2.0,
-            height=2.0,
-            cell_size=0.1,
-            section_size=0.5,
-            cell_color=(52, 55, 62),
-            section_color=(74, 78, 88),
-        )
-        camera = server.initial_camera
-        camera.position = (0.20, -0.70, 0.48)
-        camera.look_at = (0.05, 0.0, 0.32)
+        self._hides_target = False
+        self._hides_kept = False
+
+    def render(self, state: AppState) -> None:
+        """Show or hide the ghosts."""
+        self._hides_target = "target" in state.hidden
+        self._hides_kept = "baselines" in state.hidden
+        if self._modules:
+            self._ghost.visible = not self._hides_target
 
     def show(self, frame: Frame) -> None:
         """Move the meshes to the frame's position and target."""
@@ -92,6 +82,11 @@ class ArmView:
             color = force_color(float(force))
             if tuple(mesh.color) != color:
                 mesh.color = color
+        ghosts = {} if self._hides_kept else {ghost.slot: ghost.q for ghost in frame.ghosts}
+        for slot, mesh in enumerate(self._kept):
+            mesh.visible = slot in ghosts
+            if slot in ghosts:
+                mesh.vertices = self._tube(kinematics.backbone(arm, ghosts[slot], _POINTS), _KEPT_RADIUS, _SIDES)
         for ends, mesh in zip(kinematics.rods(arm, frame.q).ends[1:], self._rods, strict=True):
             mesh.vertices = self._rod(ends)
 
@@ -101,10 +96,19 @@ class ArmView:
             mesh.remove()
         self._modules = arm.n_modules
         self._target = None
-        self._height = _STRETCH * sum(parameters(arm).rest_length) + _CLEARANCE
+        self._height = base_height(arm)
         body = tube_faces(_POINTS, _SIDES)
         self._body = self._mesh("/arm/body", _POINTS, _SIDES, body, _BODY)
         self._ghost = self._mesh("/arm/target", _POINTS, _SIDES, body, _GHOST, opacity=0.38)
+        self._ghost.visible = not self._hides_target
+        self._kept = [
+            self._mesh(f"/arm/kept/{slot + 1}", _POINTS, _SIDES, body, KEPT[slot], opacity=0.6)
+            for slot in range(MAX_KEPT)
+        ]
+        for mesh in self._kept:
+            mesh.visible = False
+        if self._on_body is not None:
+            self._on_body(self._body)
         faces = tube_faces(_ACTUATOR_POINTS, _ACTUATOR_SIDES)
         self._actuators = [
             self._mesh(f"/arm/actuators/{name}", _ACTUATOR_POINTS, _ACTUATOR_SIDES, faces, force_color(0.0))
@@ -117,7 +121,7 @@ class ArmView:
             "/arm/base", dimensions=(width, width, _PLATE_THICKNESS), color=_PLATE,
             position=(0.0, 0.0, self._height + 0.5 * _PLATE_THICKNESS),
         )  # fmt: skip
-        self._meshes = [self._body, self._ghost, *self._actuators, *self._rods, plate]
+        self._meshes = [self._body, self._ghost, *self._kept, *self._actuators, *self._rods, plate]
 
     def _mesh(
         self, name: str, n_points: int, n_sides: int, faces: Any, color: RGB, opacity: float | None = None
@@ -129,19 +133,14 @@ class ArmView:
         )  # fmt: skip
 
     def _tube(self, curve: kinematics.Curve, radius: float, n_sides: int) -> Vertices:
-        return self._raised(tube_vertices(curve.points, curve.normals, radius, n_sides))
+        return tube_vertices(curve.points, curve.normals, radius, n_sides, self._height)
 
     def _rod(self, ends: Array) -> Vertices:
         """Return a rod as a short tube across the arm, a little longer than the actuators are apart."""
         along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
         points = np.stack([ends[0] - _ROD_OVERHANG * along, ends[1] + _ROD_OVERHANG * along])
         normals = np.broadcast_to(np.array([-along[1], along[0]]), (2, 2))
-        return self._raised(tube_vertices(points, normals, _ROD_RADIUS, _SIDES))
-
-    def _raised(self, vertices: Vertices) -> Vertices:
-        """Hang the arm, whose base is the origin of its own axes, over the floor."""
-        vertices[:, 2] += self._height
-        return vertices
+        return tube_vertices(points, normals, _ROD_RADIUS, _SIDES, self._height)
 
 
 def force_color(force: float) -> RGB:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from app.scene.stage import to_scene
+
 Array = NDArray[np.float64]
 
 
@@ -32,7 +34,7 @@ def tube_faces(n_points: int, n_sides: int) -> NDArray[np.uint32]:
     return np.concatenate(faces).astype(np.uint32)
 
 
-def tube_vertices(points: Array, normals: Array, radius: float, n_sides: int) -> NDArray[np.float32]:
+def tube_vertices(points: Array, normals: Array, radius: float, n_sides: int, height: float) -> NDArray[np.float32]:
     """Return the vertices of a tube around a curve in the n1-n3 plane, in the scene's axes.
 
     Args:
@@ -40,6 +42,7 @@ def tube_vertices(points: Array, normals: Array, radius: float, n_sides: int) ->
         normals: (n, 2) unit normals in the plane.
         radius: Of the tube, m.
         n_sides: Vertices of each ring.
+        height: Of the arm's base over the floor, m.
 
     Returns:
         (n n_sides + 2, 3) in the order that ``tube_faces`` expects.
@@ -47,10 +50,5 @@ def tube_vertices(points: Array, normals: Array, radius: float, n_sides: int) ->
     angle = np.linspace(0.0, 2.0 * np.pi, n_sides, endpoint=False)
     in_plane = points[:, None, :] + radius * np.cos(angle)[None, :, None] * normals[:, None, :]
     across = np.broadcast_to(radius * np.sin(angle), (len(points), n_sides))
-    rings = to_scene(in_plane.reshape(-1, 2), across.reshape(-1))
-    return np.concatenate([rings, to_scene(points[[0, -1]])]).astype(np.float32)
-
-
-def to_scene(points: Array, across: Array | float = 0.0) -> Array:
-    """Return places (n1, n3) as (x, y, z) of the scene, whose z points up: n3 is gravity's direction."""
-    return np.stack([points[..., 0], np.broadcast_to(across, points.shape[:-1]), -points[..., 1]], axis=-1)
+    rings = to_scene(in_plane.reshape(-1, 2), height, across.reshape(-1))
+    return np.concatenate([rings, to_scene(points[[0, -1]], height)]).astype(np.float32)

@@ -1,0 +1,152 @@
+"""The rule board: a tile for every cell of the rule table, as high as its rule fires, painted by a click."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from app.painting import grid_variables, painted, shown_grid
+from app.palette import RGB, linear, term_color
+from app.runner import Frame
+from app.scene.stage import BOARD, SIDE, shares_to_floor
+from app.state import AppState
+from app.store import Dispatch
+from fuzzy import edits
+from fuzzy.system import Variable
+
+_GAP = 0.10
+"""Share of a tile's place that stays free."""
+_LOW, _HIGH = 0.010, 0.060
+"""Height of a tile that does not fire and of one that fires fully, m: low, so that none hides another."""
+_EMPTY: RGB = (52, 55, 62)
+_MOST_LABELS = 9
+"""Terms along one side that still have a name each."""
+_LABEL_DISTANCE = 0.025
+
+_CUBE = np.array([[x, y, z] for z in (0, 1) for y in (-0.5, 0.5) for x in (-0.5, 0.5)], dtype=np.float32)
+_FACES = np.array(
+    [[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4], [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6],
+     [1, 3, 5], [3, 7, 5]],
+    dtype=np.uint32,
+)  # fmt: skip
+
+Key = tuple[str | tuple[str, ...], ...]
+
+
+class BoardView:
+    """Tiles and their names, made anew only for another grid."""
+
+    def __init__(self, scene: viser.SceneApi, dispatch: Dispatch) -> None:
+        self._scene = scene
+        self._dispatch = dispatch
+        self._state: AppState | None = None
+        self._key: Key | None = None
+        self._tiles: Any = None
+        self._labels: list[Any] = []
+        self._numbers = np.empty(0, dtype=np.int64)
+        self._colors = np.empty((0, 3))
+        self._strengths = np.empty(0)
+
+    def render(self, state: AppState) -> None:
+        """Colour the tiles by what their rules conclude."""
+        before, self._state = self._state, state
+        shown = shown_grid(state)
+        if shown is None or "board" in state.hidden:
+            self._set_visible(False)
+            return
+        rows, columns, output = grid_variables(state.document, shown)
+        key = (rows.name, _names(rows), columns.name, _names(columns))
+        is_new = key != self._key
+        if is_new:
+            self._build(rows, columns)
+            self._key = key
+        self._set_visible(True)
+        is_same = before is not None and before.document is state.document and before.design.grid == state.design.grid
+        if is_same and not is_new:
+            return
+        names = _names(output)
+        cells = [cell for row in edits.grid_cells(state.document, shown) for cell in row]
+        colors = [_EMPTY if cell is None else term_color(names.index(cell), len(names)) for cell in cells]
+        self._colors = np.array(colors, dtype=np.float64)
+        self._numbers = np.array(edits.grid_rule_numbers(state.document, shown)).ravel()
+        self._strengths = np.zeros(len(cells))
+        self._draw()
+
+    def show(self, frame: Frame) -> None:
+        """Raise the tiles with the firing strengths of the chosen coordinate."""
+        numbers = self._numbers
+        if self._tiles is None or not self._tiles.visible:
+            return
+        strengths = np.zeros(len(numbers))
+        if frame.strength is not None and frame.strength.size > max(numbers.max(initial=-1), 0):
+            strengths = np.where(numbers >= 0, frame.strength[numbers], 0.0).round(2)
+        if not np.array_equal(strengths, self._strengths):
+            self._strengths = strengths
+            self._draw()
+
+    def _draw(self) -> None:
+        scales: NDArray[np.float32] = self._tiles.batched_scales.copy()
+        scales[:, 2] = _LOW + (_HIGH - _LOW) * self._strengths
+        glow = 0.45 * self._strengths[:, np.newaxis]
+        self._tiles.batched_scales = scales
+        self._tiles.batched_colors = linear(self._colors + (255.0 - self._colors) * glow)
+
+    def _build(self, rows: Variable, columns: Variable) -> None:
+        for part in (self._tiles, *self._labels):
+            if part is not None:
+                part.remove()
+        n, m = len(rows.terms), len(columns.terms)
+        i, j = np.divmod(np.arange(n * m), m)
+        floor = shares_to_floor(np.stack([(i + 0.5) / n, (j + 0.5) / m], axis=1), BOARD)
+        positions = np.concatenate([floor, np.full((n * m, 1), BOARD[2])], axis=1)
+        size = (1.0 - _GAP) * SIDE
+        scales = np.tile(np.array([size / m, size / n, _LOW], dtype=np.float32), (n * m, 1))
+        upright = np.tile([1.0, 0.0, 0.0, 0.0], (n * m, 1))
+        self._tiles = self._scene.add_batched_meshes_simple(
+            "/board/tiles", _CUBE, _FACES, upright, positions, batched_scales=scales,
+            batched_colors=np.full((n * m, 3), _EMPTY, dtype=np.uint8), flat_shading=True, lod="off",
+            cast_shadow=False, receive_shadow=False,
+        )  # fmt: skip
+        self._tiles.on_click(self._clicked)
+        self._labels = [
+            *self._name_side("row", _names(rows), rows.name, along_rows=True),
+            *self._name_side("column", _names(columns), columns.name, along_rows=False),
+        ]
+
+    def _name_side(self, side: str, names: Sequence[str], variable: str, *, along_rows: bool) -> list[Any]:
+        """Add the terms' names along a side, and the variable's beyond their end."""
+        count = len(names)
+        shares = [(k + 0.5) / count for k in range(count)] if count <= _MOST_LABELS else []
+        margin = -_LABEL_DISTANCE / SIDE
+        places = [(share, margin) if along_rows else (margin, share) for share in shares]
+        texts = list(names) if shares else []
+        end = 1.0 + 1.4 * _LABEL_DISTANCE / SIDE
+        places.append((end, margin) if along_rows else (margin, end))
+        texts.append(variable)
+        floor = shares_to_floor(np.array(places), BOARD)
+        return [
+            self._scene.add_label(
+                f"/board/{side}/{k}", text, position=(float(x), float(y), BOARD[2]), anchor="center-center",
+                font_screen_scale=0.75 if k < len(texts) - 1 else 0.95,
+            )
+            for k, ((x, y), text) in enumerate(zip(floor, texts, strict=True))
+        ]  # fmt: skip
+
+    def _set_visible(self, is_visible: bool) -> None:
+        for part in (self._tiles, *self._labels):
+            if part is not None and part.visible != is_visible:
+                part.visible = is_visible
+
+    async def _clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
+        state, number = self._state, event.instance_index
+        edit = None if state is None or number is None else painted(state, number)
+        if edit is not None:
+            self._dispatch(edit)
+
+
+def _names(variable: Variable) -> tuple[str, ...]:
+    return tuple(term.name for term in variable.terms)

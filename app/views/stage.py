@@ -1,0 +1,49 @@
+"""Run: what the scene shows, and from where; the camera belongs to each browser, the layers to all."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import viser
+
+from app import clean
+from app.clean import Refused
+from app.scene.scene import look
+from app.scene.stage import CAMERAS
+from app.state import LAYERS, AppState, Notice, Noticed, Selected
+from app.store import Dispatch
+from app.widgets import MARK, div, on_input
+
+
+class StageView:
+    """Buttons for cameras and layers."""
+
+    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+        self._state: AppState | None = None
+        self._dispatch = dispatch
+        camera = gui.add_button_group("camera", tuple(CAMERAS))
+        camera.on_click(self._look)
+        self._layers: Any = gui.add_button_group("layers", LAYERS)
+        on_input(self._layers, dispatch, self._toggle)
+        gui.add_html(div("Shift and drag on the arm pulls it; a click on a tile paints it.", "opacity:.6"))
+
+    def render(self, state: AppState) -> None:
+        """Mark the layers that are shown."""
+        self._state = state
+        options = tuple(name if name in state.hidden else f"{MARK}{name}" for name in LAYERS)
+        if tuple(self._layers.options) != options:
+            self._layers.options = options
+
+    def _toggle(self, value: object) -> Selected:
+        assert self._state is not None
+        text = value.removeprefix(MARK) if isinstance(value, str) else value
+        name = clean.choice(text, LAYERS, "the layer")
+        return Selected({"hidden": self._state.hidden ^ {name}})
+
+    async def _look(self, event: viser.GuiEvent[Any]) -> None:
+        if event.client is None:
+            return
+        try:
+            look(event.client, clean.choice(event.target.value, CAMERAS, "the camera"))
+        except Refused as refusal:
+            self._dispatch(Noticed(Notice(f"Refused: {refusal}.", is_error=True)))
