@@ -35,8 +35,6 @@ MAX_LINE, MAX_TEXT = 2_000, 20_000
 
 _MAX_PARTS = 64
 """Most parts of an upload, and most uploads at once: 1 MiB comes in two parts."""
-_MAX_LOGGED = 20
-"""Refusals of one connection that are logged one by one."""
 
 _Id = Annotated[str, msgspec.Meta(max_length=64)]
 _Name = Annotated[str, msgspec.Meta(max_length=256)]
@@ -168,7 +166,6 @@ class Door:
         door = self
 
         class GuardedConnection(ServerConnection):
-            _refusals = 0
             _is_shut = False
 
             async def recv(self, decode: bool | None = None) -> Any:
@@ -183,12 +180,8 @@ class Door:
                         _log.warning("a browser sent what the page never sends, and is disconnected: %s", error)
                         self._is_shut = True
                         await self.close(CloseCode.POLICY_VIOLATION, "not a message of this page")
-                    except StaleError as stale:
-                        _log.debug("ignored: %s", stale)
                     except Refused as refusal:
-                        self._refusals += 1
-                        if self._refusals <= _MAX_LOGGED:
-                            _log.warning("refused: %s", refusal)
+                        _log.debug("refused: %s", refusal)
                     else:
                         if not self._is_shut:
                             return data

@@ -80,6 +80,8 @@ class Journal:
         self._warn = warn
         self._lock_file: IO[bytes] | None = None
         self._wanted: Work | None = None
+        self._latest: Work | None = None  # what was wanted last
+        self._written: Work | None = None
         self._doomed: list[Path] = []  # to be deleted once what is wanted has been written
         self._is_closed = False
         self._changed = threading.Condition()
@@ -96,7 +98,7 @@ class Journal:
         if known is None and not state.work.is_unsaved:
             return  # nothing has happened yet
         with self._changed:
-            self._wanted = state.work
+            self._wanted = self._latest = state.work
             self._doomed += self._answered
             self._changed.notify()
         self._answered = []
@@ -125,7 +127,7 @@ class Journal:
         _delete(Path(journal))
 
     def close(self) -> bool:
-        """Write what has not been written, and end the thread.
+        """Write what has not been written, and end the thread; a second call does nothing.
 
         Returns:
             Whether unsaved work is left for the next start; otherwise nothing remains.
@@ -134,12 +136,12 @@ class Journal:
             self._is_closed = True
             self._changed.notify()
         self._thread.join(timeout=_PATIENCE)
-        is_left = self._known is not None and self._known.work.is_unsaved and self._path.exists()
-        if not is_left:
+        is_unsaved = self._latest is not None and self._latest.is_unsaved
+        if not is_unsaved:
             _delete(self._path)
         if self._lock_file is not None:
             self._lock_file.close()
-        return is_left
+        return is_unsaved and self._written is self._latest
 
     def _run(self) -> None:
         is_well = True
@@ -153,9 +155,9 @@ class Journal:
                 return
             try:
                 self._write(work)
-            except (OSError, FuzzyError) as error:
+            except Exception as error:  # whatever it is: the thread must go on
                 if is_well:
-                    _log.error("edits are not journalled: %s", error)
+                    _log.error("edits are not journalled: %r", error)
                     self._warn(f"Edits would not survive a crash, the journal cannot be written: {_reason(error)}")
                 is_well = False
                 with self._changed:
@@ -165,6 +167,7 @@ class Journal:
                     self._doomed = doomed + self._doomed
                     self._changed.wait_for(lambda: self._is_closed, _RETRY_SECONDS)
                 continue
+            self._written = work
             for path in doomed:
                 _delete(path)
             if not is_well:
@@ -194,13 +197,17 @@ class Journal:
 
 def encode(work: Work, at: float) -> bytes:
     """Return the content of a journal; of a history that is too long only the newer half, or the half of that."""
-    packed = msgspec.msgpack.encode(work)
+    packed = _packed(work)
     while len(packed) > _MOST_BYTES and (work.past or work.future):
         newer = work.past[(len(work.past) + 1) // 2 :]
         work = msgspec.structs.replace(work, past=newer, future=work.future[: len(work.future) // 2])
-        packed = msgspec.msgpack.encode(work)
+        packed = _packed(work)
     envelope = Envelope(_VERSION, at, formats.dumps(work.document), packed)
     return zlib.compress(msgspec.msgpack.encode(envelope), 1)
+
+
+def _packed(work: Work) -> bytes:
+    return msgspec.msgpack.encode(work, enc_hook=float)  # numpy's numbers
 
 
 def read(path: Path) -> Recovery:

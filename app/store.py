@@ -7,7 +7,10 @@ import logging
 from collections.abc import Callable
 from typing import Protocol
 
-from app.state import AppState, Event, update
+import msgspec
+
+from app.logs import log_event
+from app.state import AppState, Event, Notice, update
 
 _log = logging.getLogger(__name__)
 
@@ -42,7 +45,13 @@ class Store:
 
     def dispatch(self, event: Event) -> None:
         """Apply an event and render; on viser's event loop only."""
-        self.state = update(self.state, event)
+        log_event(event)
+        try:
+            self.state = update(self.state, event)
+        except Exception as error:
+            _log.exception("%s cannot be applied", type(event).__name__)
+            notice = Notice(f"Not done, an error of the program: {error!r}.", is_error=True)
+            self.state = msgspec.structs.replace(self.state, notice=notice)
         for view in self._views:
             try:
                 view.render(self.state)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import logging
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Any
 
@@ -20,6 +21,8 @@ MARK = "● "
 
 Meaning = Event | tuple[Event, ...] | None
 """What a user's change of a widget means: events, or nothing."""
+
+_log = logging.getLogger(__name__)
 
 FONT = "Inter,system-ui,-apple-system,'Segoe UI',sans-serif"
 
@@ -44,6 +47,9 @@ def on_input(handle: Any, dispatch: Dispatch, to_event: Callable[[Any], Meaning 
             meant = await meaning if isinstance(meaning, Awaitable) else meaning
         except Refused as refusal:
             meant = Noticed(Notice(f"Refused: {refusal}.", is_error=True))
+        except Exception as error:
+            _log.exception("what a browser sent cannot be handled")
+            meant = Noticed(Notice(f"Not done, an error of the program: {error!r}.", is_error=True))
         for one in meant if isinstance(meant, tuple) else (meant,):
             if one is not None:
                 dispatch(one)

@@ -33,6 +33,8 @@ FRAME_RATE = 30.0
 """Frames of the live view a second."""
 
 _PANEL_WIDTH = 380
+_RECOVERY_SECONDS = 5.0
+"""How long the stream waits after an error before it tries again."""
 
 _log = logging.getLogger(__name__)
 
@@ -73,22 +75,37 @@ class Workbench:
         self._live_views: list[LiveView] = []
         asyncio.run_coroutine_threadsafe(self._build(), self._loop).result()
         self.store.post(Asked(self._journal.found()))
+        self.server.on_client_connect(self._greet)
+        self.server.on_client_disconnect(self._greet)
         background = (self._stream_frames(), self._filing.watch(self.store.dispatch))
         self._background = [asyncio.run_coroutine_threadsafe(work, self._loop) for work in background]
+
+    def keep_work(self) -> bool:
+        """Keep unsaved work for the next start; what is edited from now on is lost.
+
+        Returns:
+            Whether there is any, and it is on the disk.
+        """
+        return self._journal.close()
 
     def stop(self) -> None:
         """Keep unsaved work for the next start, then end the background work and the server."""
         for work in self._background:
             work.cancel()
-        self.is_left = self._journal.close()
+        self.keep_work()
         self._runner.stop()
         self.server.stop()
+
+    async def _greet(self, client: viser.ClientHandle) -> None:
+        count = len(self.server.get_clients())
+        came = client.client_id in self.server.get_clients()
+        _log.info("browser %d %s, %d there", client.client_id, "came" if came else "went", count)
 
     def _refuse(self, sentence: str) -> None:
         self.store.dispatch(Noticed(Notice(f"Refused: {sentence}.", is_error=True)))
 
     def _warn(self, sentence: str) -> None:
-        self.store.post(Noticed(Notice(sentence, is_error=True)))
+        self.store.post(Noticed(Notice(f"{sentence}.", is_error=True)))
 
     async def _build(self) -> None:
         """Lay out the panels and fill them; on the event loop, as all that touches widgets."""
@@ -147,8 +164,15 @@ class Workbench:
         while True:
             await asyncio.sleep(1.0 / FRAME_RATE)
             now = time.perf_counter()
-            frame = self._runner.frame(self.store.state, now - last)
-            last = now
+            try:
+                frame = self._runner.frame(self.store.state, now - last)
+            except Exception as error:
+                _log.exception("there is no frame")
+                self._warn(f"The arm cannot be shown, an error of the program: {error!r}")
+                await asyncio.sleep(_RECOVERY_SECONDS)
+                continue
+            finally:
+                last = now
             key = (frame.t, self.store.state, len(self.server.get_clients()))
             if key == shown or not self.server.get_clients():
                 continue
@@ -162,14 +186,7 @@ class Workbench:
         try:
             view.show(frame)
         except Exception:
-            _log.exception("%s cannot show a frame and is left out", type(view).__name__)
+            name = type(view).__name__
+            _log.exception("%s cannot show a frame and is left out", name)
+            self._warn(f"{name} no longer follows the arm, an error of the program; start again to bring it back")
             self._live_views.remove(view)
-
-
-def serve(path: Path, *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None) -> None:
-    """Run a workbench until the process is interrupted."""
-    workbench = Workbench(path, host=host, port=port, token=token)
-    try:
-        workbench.server.sleep_forever()
-    finally:
-        workbench.stop()

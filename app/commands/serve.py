@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-import contextlib
+import logging
 import os
 import secrets
 import signal
 import sys
 import threading
+from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-SHIPPED = Path(__file__).resolve().parents[2] / "rulebases" / "diagonal.yaml"
-"""The rule base that is opened where none is named."""
+if TYPE_CHECKING:
+    from app.workbench import Workbench
+
+_log = logging.getLogger(__name__)
+
+_MOST_SECONDS = 1.5
+"""How long the end may take, from the moment in which unsaved work is safe."""
 
 
 def serve(
@@ -27,23 +33,31 @@ def serve(
     port: int = 8080,
     token: Annotated[str | None, tyro.conf.arg(metavar="TOKEN", help_behavior_hint="")] = None,
     open_browser: Annotated[bool, tyro.conf.arg(name="open")] = False,
+    log_level: Literal["debug", "info", "warning", "error"] = "info",
+    log_file: Annotated[Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="")] = None,
 ) -> int:
-    """Start the workbench; Ctrl+C ends it.
+    """Start the workbench; Ctrl+C ends it, and keeps unsaved work for the next start.
 
     Args:
-        rulebase: The rule base to open; its folder is where the workbench saves. By default rulebases/diagonal.yaml.
+        rulebase: The rule base to open; its folder is where the workbench saves. By default rulebases/diagonal.yaml;
+            an installed program copies it to ~/.local/share/fuzzy-workbench/rulebases first.
         host: Address to listen on. Any other than this machine's own opens the workbench to the network: a token is
             then needed to connect, and made up if none is given.
         port: Port to listen on, 1 to 65535.
         token: Secret that a browser must show, 16 to 128 of the characters A-Z a-z 0-9 _ -.
         open_browser: Open the page in the browser, where there is one.
+        log_level: What is logged to standard error: one line for every event of this weight or more.
+        log_file: Where the same is logged too. At 10 MiB it begins anew; the two files before it are kept.
     """
+    from app import logs
     from app.commands.failure import UsageError
+    from app.shipped import editable
     from fuzzy.formats import load
 
     if not 1 <= port <= 65535:
         raise UsageError(f"port {port}; valid are 1 to 65535")
-    path = rulebase or SHIPPED
+    logs.configure(log_level, log_file)
+    path = rulebase or editable()
     load(path)
 
     from app import guard
@@ -66,12 +80,35 @@ def serve(
     address = guard.address(host, port, token)
     threading.Thread(target=_announce, args=(host, port, address, open_browser), daemon=True).start()
 
-    from app.workbench import serve as start
+    from app.workbench import Workbench
 
     signal.signal(signal.SIGTERM, _interrupt)
-    with contextlib.suppress(KeyboardInterrupt):
-        start(path, host=host, port=port, token=token)
+    workbench: Workbench | None = None
+    try:
+        workbench = Workbench(path, host=host, port=port, token=token)
+        _log.info("started: %s on %s:%d, version %s", path.resolve(), host, port, version("fuzzy-arm-workbench"))
+        workbench.server.sleep_forever()
+    except KeyboardInterrupt:
+        pass
+    if workbench is not None:
+        _end(workbench)
     return 0
+
+
+def _end(workbench: Workbench) -> None:
+    """Keep unsaved work, then end; whatever does not end in time ends with the process."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
+    state = workbench.store.state
+    is_kept = workbench.keep_work()
+    if state.work.is_unsaved:
+        what = "are kept, and offered at the next start with the same folder" if is_kept else "could not be kept"
+        print(f"fuzzy-workbench: unsaved edits of {state.file} {what}", file=sys.stderr, flush=True)
+    _log.info("ended")
+    late = threading.Timer(_MOST_SECONDS, os._exit, (0,))
+    late.daemon = True
+    late.start()
+    workbench.stop()
 
 
 def _interrupt(*_: object) -> None:

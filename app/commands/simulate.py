@@ -151,7 +151,7 @@ def _run(
 
 
 def _law(rulebase: Path | None, name: str, arm: Arm, scenario: Scenario, natural_frequency: float | None) -> ControlLaw:
-    from app.commands.serve import SHIPPED
+    from app.shipped import SHIPPED
     from fuzzy.formats import load
     from fuzzy.inference import compile_system
     from robot import controllers

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import queue
 import threading
 import time
+from collections.abc import Callable
 from typing import NamedTuple
 
 from app.experiment import Experiment
@@ -25,6 +27,9 @@ _MOST_BEHIND = 0.1
 """Wall time that is caught up after a delay, s; more is dropped, and the real-time factor shows it."""
 _PULLED_TICKS = 4
 """Control steps between two looks at the spring of a hand that pulls."""
+
+
+_log = logging.getLogger(__name__)
 
 
 class Moment(NamedTuple):
@@ -50,12 +55,17 @@ Order = Experiment | Playback | Pulled | None
 class LiveSimulation:
     """A thread that lets simulated time follow wall time, and begins the scenario anew at its end.
 
+    Args:
+        report: Called from the thread with a sentence when an error of the program stops the simulation. The thread
+            goes on, and begins anew with the next experiment or reset.
+
     Attributes:
         moment: The latest sample; replaced as a whole, so that any thread may read it.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, report: Callable[[str], None] = lambda _: None) -> None:
         self.moment: Moment | None = None
+        self._report = report
         self._orders: queue.SimpleQueue[Order] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="live simulation", daemon=True)
         self._thread.start()
@@ -84,6 +94,7 @@ class LiveSimulation:
         pull: Pull | None = None
         owed = 0.0
         pace = _Pace()
+        has_failed = False
         while True:
             started = time.perf_counter()
             for order in self._pending():
@@ -92,14 +103,17 @@ class LiveSimulation:
                         return
                     case Playback():
                         if order.resets != playback.resets:
-                            simulation = None
+                            simulation, has_failed = None, False
                         playback = order
                     case Pulled():
                         pull = order.pull
                     case _:
-                        simulation = _continued(simulation, wanted, order)
-                        wanted = order
-            if wanted is not None:
+                        simulation = None if has_failed else _continued(simulation, wanted, order)
+                        wanted, has_failed = order, False
+            if wanted is None or has_failed:
+                time.sleep(_PACE)
+                continue
+            try:
                 if simulation is None:
                     simulation = Simulation(*wanted, history=1.0)
                     owed = 0.0
@@ -112,8 +126,19 @@ class LiveSimulation:
                 self._publish(simulation, pace.measured(simulation.time if moves else None), pull)
                 if simulation.time > wanted.scenario.duration and playback.loops:
                     simulation = None
+            except Exception as error:
+                simulation, has_failed = None, True
+                self._fail(error)
             time.sleep(max(0.0, _PACE - (time.perf_counter() - started)))
             pace.wall = time.perf_counter() - started
+
+    def _fail(self, error: Exception) -> None:
+        """Say that the simulation stands still, and why."""
+        _log.exception("the live simulation failed")
+        sentence = f"The live simulation was stopped by an error of the program: {error!r}"
+        if self.moment is not None:
+            self.moment = self.moment._replace(factor=0.0, stopped=sentence)
+        self._report(f"{sentence}; an edit or a reset starts it again")
 
     def _pending(self) -> list[Order]:
         orders = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import queue
 import threading
 from collections.abc import Callable
@@ -31,6 +32,8 @@ SURFACE_POINTS = (41, 41)
 
 Post = Callable[[Event], None]
 
+_log = logging.getLogger(__name__)
+
 
 class Previews:
     """A thread that compiles every new document and simulates its whole scenario; only the newest matters."""
@@ -55,7 +58,10 @@ class Previews:
         self._thread.join(timeout=PATIENCE)
 
     def _run(self) -> None:
-        self._warm_up(self._post)
+        try:
+            self._warm_up(self._post)
+        except Exception as error:  # what was not compiled now is compiled when it is called
+            self._report("The kernels could not be made ready", error)
         while True:
             wanted = self._wanted.get()
             while not self._wanted.empty():
@@ -72,6 +78,13 @@ class Previews:
             except (FuzzyError, RobotError) as error:
                 # The last good controller goes on.
                 self._post(Noticed(Notice(f"Cannot run this: {error}.", is_error=True)))
+            except Exception as error:
+                self._report("Cannot run this", error)
+
+    def _report(self, what: str, error: Exception) -> None:
+        """Say that the program made a mistake; the thread goes on, and so does what runs already."""
+        _log.exception("%s", what)
+        self._post(Noticed(Notice(f"{what}, an error of the program: {error!r}.", is_error=True)))
 
     def _find_surface(self, document: FuzzySystem) -> None:
         """Post the control surface of a document that has another one than the last, unless something newer waits."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from app.runner.frames import Frame, ghosts, resting_frame, sample_at
 from app.runner.live import LiveSimulation
 from app.runner.previews import Post, Previews
-from app.state import AppState, Playback, Setup
+from app.state import AppState, Notice, Noticed, Playback, Setup
 from fuzzy.inference import Controller
 from fuzzy.kernels.address import Directory
 from fuzzy.kernels.inference import call
@@ -28,7 +28,7 @@ class Runner:
     """Keeps the background work in step with the state, and gives the latest frame."""
 
     def __init__(self, post: Post, warm_up: Callable[[Post], None]) -> None:
-        self._live = LiveSimulation()
+        self._live = LiveSimulation(lambda sentence: post(Noticed(Notice(f"{sentence}.", is_error=True))))
         self._previews = Previews(post, self._live, warm_up)
         self._requested: tuple[FuzzySystem, Setup] | None = None
         self._playback: Playback | None = None

@@ -69,13 +69,25 @@ def running_workbench(folder: Path, *options: str) -> Iterator[Workbench]:
     log = folder.parent / f"workbench-{port}.log"
     command = [sys.executable, "-m", "app", "serve", str(folder / "diagonal.yaml"), "--port", str(port), *options]
     with log.open("wb") as output:
-        process = subprocess.Popen(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT)
+        process = subprocess.Popen(
+            command,
+            cwd=ROOT,
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            preexec_fn=hear_interrupts,
+        )
     workbench = Workbench(f"http://127.0.0.1:{port}", folder, process, log)
     try:
         _wait_until_served(workbench)
         yield workbench
     finally:
         _end(process)
+
+
+def hear_interrupts() -> None:
+    """Let a new process hear SIGINT: a shell starts what runs in its background with that ignored, for all children."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _wait_until_served(workbench: Workbench) -> None:

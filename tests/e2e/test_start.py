@@ -32,6 +32,7 @@ def test_the_address_is_printed(workbench: Workbench, new_page: Callable[[str], 
 def test_it_ends_when_it_is_asked_to(workbench: Workbench, number: signal.Signals) -> None:
     workbench.process.send_signal(number)
     assert workbench.process.wait(timeout=10) == 0
+    assert "unsaved" not in workbench.log.read_text(errors="replace")
     assert "Traceback" not in workbench.log.read_text(errors="replace")
 
 
