@@ -8,6 +8,7 @@ import secrets
 import signal
 import sys
 import threading
+import time
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
+_LISTEN_SECONDS = 0.2
 _MOST_SECONDS = 1.5
 """How long the end may take, from the moment in which unsaved work is safe."""
 
@@ -87,7 +89,8 @@ def serve(
     try:
         workbench = Workbench(path, host=host, port=port, token=token)
         _log.info("started: %s on %s:%d, version %s", path.resolve(), host, port, version("fuzzy-arm-workbench"))
-        workbench.server.sleep_forever()
+        while True:  # a signal that comes just before a sleep is heard after it
+            time.sleep(_LISTEN_SECONDS)
     except KeyboardInterrupt:
         pass
     if workbench is not None:
