@@ -130,15 +130,21 @@ def focus_html(ids: Sequence[str], width: int) -> str:
     return f"<style>{''.join(focus)}</style>"
 
 
-def row_html(target: str, name: str, content: str, *, is_chosen: bool) -> str:
+def row_html(target: str, name: str, content: str) -> str:
     """Return a row of a list that presses the button ``target``; ``content`` is HTML."""
-    style = f"outline:1.5px solid {TEXT};" if is_chosen else ""
-    return f'<label for="{target}" id="{name}" class="fw-r" style="{style}">{content}</label>'
+    return f'<label for="{target}" id="{name}" class="fw-r">{content}</label>'
 
 
-def rows_html(rows: Sequence[str]) -> str:
-    """Return rows below each other."""
-    return f'<div style="padding:0 0.75em 0.35em;display:grid;gap:2px">{"".join(rows)}</div>' if rows else ""
+def rows_html(rows: Sequence[str], height: int | None = None) -> str:
+    """Return rows below each other, in at most so many pixels: beyond that they scroll."""
+    scrolls = "" if height is None else f"max-height:{height}px;overflow-y:auto;"
+    style = f"{scrolls}margin:0 0.75em 0.35em;padding:2px;display:grid;gap:3px"
+    return f'<div style="{style}">{"".join(rows)}</div>' if rows else ""
+
+
+def chosen_html(name: str) -> str:
+    """Return the style sheet that frames the chosen row; apart, since rows that are replaced would scroll back."""
+    return f"<style>#{name}{{outline:1.5px solid {TEXT}}}</style>"
 
 
 def row_glow_html(strengths: Sequence[float], first: int) -> str:

@@ -20,6 +20,9 @@ class Design(msgspec.Struct, frozen=True):
         page: Page of the list that is shown, from 0.
         gains: Kp and Kd from which the table can be filled; None is what reaches the ends of all ranges.
         term_name: A name that is being written; None is the chosen term's own.
+        variable_name: Likewise of the variable.
+        count: How many terms the variable shall have if it is spaced evenly; None is as many as it has.
+        stretches: Whether terms are stretched along when the range changes.
         is_symmetric: Whether opposite terms follow when one is edited.
         probe: Inputs whose inference is explained; None is the moment that is shown.
     """
@@ -31,6 +34,9 @@ class Design(msgspec.Struct, frozen=True):
     page: int = 0
     gains: tuple[float, float] | None = None
     term_name: str | None = None
+    variable_name: str | None = None
+    count: int | None = None
+    stretches: bool = False
     is_symmetric: bool = False
     probe: tuple[float, ...] | None = None
 
@@ -47,7 +53,12 @@ def fitting(design: Design, document: FuzzySystem) -> Design:
 
 def after_edit(design: Design) -> Design:
     """Return the selections after the document has changed: what was marked or written is done with."""
-    return msgspec.structs.replace(design, marked=(), rule_text=None, term_name=None)
+    return msgspec.structs.replace(without_drafts(design), marked=(), rule_text=None)
+
+
+def without_drafts(design: Design) -> Design:
+    """Return the selections without what is being written for the chosen term and variable."""
+    return msgspec.structs.replace(design, term_name=None, variable_name=None, count=None)
 
 
 def names_of(document: FuzzySystem) -> tuple[str, ...]:

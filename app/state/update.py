@@ -7,7 +7,7 @@ from typing import assert_never
 import msgspec
 
 from app.state import kept
-from app.state.design import after_edit, fitting, names_of
+from app.state.design import after_edit, fitting, names_of, without_drafts
 from app.state.events import (
     Advised,
     Asked,
@@ -85,8 +85,8 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
         case Asked():
             return _replace(state, question=event.question)
         case Selected():
-            # A name that is being written belongs to the term that was chosen.
-            named = {"design": _replace(state.design, term_name=None)} if event.changes.keys() & _TERM else {}
+            # What is being written belongs to the term and variable that were chosen.
+            named = {"design": without_drafts(state.design)} if event.changes.keys() & _TERM else {}
             return _with_valid_selection(_replace(state, **(named | event.changes)))
         case DesignChanged():
             return _with_valid_selection(_replace(state, design=_replace(state.design, **event.changes)))

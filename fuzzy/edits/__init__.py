@@ -30,20 +30,29 @@ from fuzzy.edits.tables import (
     set_cells,
 )
 from fuzzy.edits.terms import (
+    SIDES,
     MoveMode,
+    Side,
     add_term,
     move_point,
     move_term,
     remove_term,
     rename_term,
+    rules_with,
+    set_complement,
+    set_height,
     set_shape,
     set_shape_kind,
+    sides_that_open,
+    toggle_open_side,
 )
 from fuzzy.edits.variables import rename_variable, set_no_fire, set_out_of_range, set_range, set_unit
 
 __all__ = [
+    "SIDES",
     "Grid",
     "MoveMode",
+    "Side",
     "add_rule",
     "add_term",
     "clear_table",
@@ -69,9 +78,12 @@ __all__ = [
     "rename_term",
     "rename_variable",
     "rule_table",
+    "rules_with",
     "set_cell",
     "set_cells",
+    "set_complement",
     "set_grid_cells",
+    "set_height",
     "set_inference",
     "set_name",
     "set_no_fire",
@@ -83,5 +95,7 @@ __all__ = [
     "set_shape_kind",
     "set_unit",
     "set_weight",
+    "sides_that_open",
     "space_terms",
+    "toggle_open_side",
 ]

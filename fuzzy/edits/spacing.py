@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 from msgspec.structs import replace
 
-from fuzzy import partition, shapes
+from fuzzy import partition
+from fuzzy.conversion import converted
 from fuzzy.edits.access import changed, find, mapped_rule, path_of, term_number
-from fuzzy.edits.terms import add_term, set_shape_kind
+from fuzzy.edits.terms import add_term
 from fuzzy.errors import InvalidSystemError
 from fuzzy.shapes import Shape, Trapezoid, Triangle
 from fuzzy.system import FuzzySystem, Input, Is, RuleBase, RuleTable, Term, Variable
@@ -61,11 +62,8 @@ def space_terms(system: FuzzySystem, variable: str, count: int, kind: str = "tri
         table = _followed_table(table, variable, sources, follower)
     listed = (mapped_rule(rule, followed) for rule in system.rules.list)
     rules = RuleBase(table, tuple(replace(r, consequents=tuple(dict.fromkeys(r.consequents))) for r in listed))
-    terms = tuple(map(Term, renamed, _evenly(found, count)))
-    spaced = changed(replace(system, rules=rules), found, terms=terms)
-    for name in renamed if kind != shapes.kind(Triangle) else ():
-        spaced = set_shape_kind(spaced, variable, name, kind)
-    return spaced
+    shapes = (converted(shape, kind) for shape in _evenly(found, count))
+    return changed(replace(system, rules=rules), found, terms=tuple(map(Term, renamed, shapes)))
 
 
 def insert_term(system: FuzzySystem, variable: str, name: str, after: str, *, joins: bool = True) -> FuzzySystem:

@@ -2,31 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Literal
+import math
+from typing import Any, Literal, get_args
 
 from msgspec.structs import replace
 
 from fuzzy import conversion, partition, shapes
 from fuzzy.edits.access import changed, find, mapped_cells, mapped_rule, path_of, term_number
 from fuzzy.errors import InvalidSystemError, expected
-from fuzzy.rules import propositions
-from fuzzy.shapes import Shape
-from fuzzy.system import FuzzySystem, Is, RuleBase, Term
+from fuzzy.rules import all_rules, propositions
+from fuzzy.shapes import Linear, Shape, Triangle
+from fuzzy.system import FuzzySystem, Is, Output, RuleBase, Term
 
 MoveMode = Literal["free", "partition"]
 """How a point moves: alone, or with its neighbours' points so that the degrees keep the sum 1."""
 
 
+Side = Literal["left", "right"]
+SIDES: tuple[Side, ...] = get_args(Side)
+
+
 def set_shape(system: FuzzySystem, variable: str, term: str, shape: Shape) -> FuzzySystem:
     """Give a term another fuzzy set."""
-    found = find(system, variable)
-    number = term_number(found, term)
-    terms = (*found.terms[:number], replace(found.terms[number], shape=shape), *found.terms[number + 1 :])
-    return changed(system, found, terms=terms)
+    return _with_term(system, variable, term, shape=shape)
 
 
 def set_shape_kind(system: FuzzySystem, variable: str, term: str, kind: str) -> FuzzySystem:
     """Give a term's set another shape that stands where the old one stood, as :func:`fuzzy.conversion.converted` says.
+
+    An output's term may become a function of the inputs (``linear``), at first a constant, and a set again.
 
     Args:
         system: The system.
@@ -36,7 +40,30 @@ def set_shape_kind(system: FuzzySystem, variable: str, term: str, kind: str) -> 
     """
     found = find(system, variable)
     shape = found.terms[term_number(found, term)].shape
+    if isinstance(found, Output) and kind == shapes.kind(Linear):
+        place = sum(min(max(end, found.low), found.high) for end in partition.core(shape)) / 2
+        return set_shape(system, variable, term, Linear((0.0,) * len(system.inputs), place))
+    if isinstance(shape, Linear):
+        width = (found.high - found.low) / 6
+        shape = Triangle(shape.constant - width, shape.constant, shape.constant + width)
     return set_shape(system, variable, term, conversion.converted(shape, kind))
+
+
+def set_height(system: FuzzySystem, variable: str, term: str, height: float) -> FuzzySystem:
+    """Choose the greatest degree of a term's set, from 0 to 1."""
+    return _with_term(system, variable, term, height=height)
+
+
+def set_complement(system: FuzzySystem, variable: str, term: str, *, is_complement: bool) -> FuzzySystem:
+    """Choose whether a term's set is the complement of its shape."""
+    return _with_term(system, variable, term, complement=is_complement)
+
+
+def _with_term(system: FuzzySystem, variable: str, term: str, **changes: Any) -> FuzzySystem:
+    found = find(system, variable)
+    number = term_number(found, term)
+    changed_term = replace(found.terms[number], **changes)
+    return changed(system, found, terms=(*found.terms[:number], changed_term, *found.terms[number + 1 :]))
 
 
 def move_point(
@@ -63,6 +90,57 @@ def move_point(
     if parameter not in shapes.parameter_names(shape):
         raise InvalidSystemError(f"unknown parameter {expected(parameter, shapes.parameter_names(shape))}", path)
     return set_shape(system, variable, term, shapes.with_parameter(shape, parameter, value))
+
+
+def sides_that_open(shape: Shape) -> tuple[Side, ...]:
+    """Return the sides of a shape that are open, or could be: 1 up to infinity."""
+    return tuple(side for side in SIDES if _toggled(shape, side, 1.0) is not None)
+
+
+def toggle_open_side(system: FuzzySystem, variable: str, term: str, side: Side) -> FuzzySystem:
+    """Let a side of a term's set be 1 up to infinity, or let it fall again as far away as the other side does.
+
+    Raises:
+        InvalidSystemError: If the shape has no side that can be open.
+    """
+    found = find(system, variable)
+    shape = found.terms[term_number(found, term)].shape
+    toggled = _toggled(shape, side, (found.high - found.low) / 4)
+    if toggled is None:
+        path = f"{path_of(found)}.terms.{term}"
+        raise InvalidSystemError(f"a {shapes.kind(shape)} cannot be open to the {side} here", path)
+    return set_shape(system, variable, term, toggled)
+
+
+def _toggled(shape: Shape, side: Side, width: float) -> Shape | None:
+    """Return the shape with its outermost place on a side at infinity, or back from there; None if that cannot be.
+
+    Args:
+        shape: A valid shape.
+        side: Which side.
+        width: How far a side that is closed goes where the shape itself does not tell.
+    """
+    names, places = shapes.location_names(shape), shapes.locations(shape)
+    infinity = -math.inf if side == "left" else math.inf
+    if infinity in places:
+        finite = [place for place in places if math.isfinite(place)]
+        own = max(finite) - min(finite)
+        end = min(finite) - (own or width) if side == "left" else max(finite) + (own or width)
+        return shapes.with_parameter(shape, names[places.index(infinity)], end)
+    for name in names if side == "left" else reversed(names):
+        opened = shapes.with_parameter(shape, name, infinity)
+        try:
+            shapes.validate(opened)
+        except InvalidSystemError:
+            continue
+        return opened
+    return None
+
+
+def rules_with(system: FuzzySystem, variable: str, term: str) -> int:
+    """Return how many rules go with a term if it is removed."""
+    gone = Is(variable, term)
+    return sum(gone in propositions(rule.antecedent) or {*rule.consequents} == {gone} for rule in all_rules(system))
 
 
 def rename_term(system: FuzzySystem, variable: str, term: str, name: str) -> FuzzySystem:

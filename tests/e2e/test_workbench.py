@@ -267,6 +267,55 @@ def test_the_chart_of_another_variable_has_its_own_axis_and_its_thumbs_stand_und
     assert [box["x"] + box["width"] / 2 for box in boxes if box] == pytest.approx(expected, abs=3)
 
 
+def test_the_live_value_is_a_line_in_the_chart_and_a_new_term_keeps_the_rules(
+    page: Page, shot: Callable[[str], Path]
+) -> None:
+    choose_tab(page, "Membership")
+    page.get_by_role("button", name="de", exact=True).locator("visible=true").click()
+    expect(page.locator("#now")).to_be_visible()
+    places = """() => {
+        const line = document.getElementById("now").getBoundingClientRect();
+        const charts = Object.values(window.__viserTestpoints?.uplots ?? {}).map(entry => entry.chart);
+        const boxes = charts.map(chart => chart.over.getBoundingClientRect());
+        const x = line.left + 1, y = line.top + 20;
+        const found = boxes.find(b => b.left - 3 <= x && x <= b.right + 3 && b.top - 3 <= y && y <= b.bottom + 3);
+        return [[line.top, line.bottom], found && [found.top, found.bottom]];
+    }"""
+    deadline = time.monotonic() + ANSWER_MS / 1000
+    while (found := page.evaluate(places))[1] is None:
+        assert time.monotonic() < deadline, "the line is in no chart"
+        time.sleep(0.05)
+    line, chart = found
+    assert chart == pytest.approx(line, abs=3)
+
+    page.get_by_role("button", name="add", exact=True).locator("visible=true").click()
+    expect(page.get_by_text("de: add Z 2 · Ctrl+Z")).to_be_visible()
+    shot("terms")
+    choose_tab(page, "Rules")
+    expect(page.locator('[id^="cell"]')).to_have_count(56)
+    page.keyboard.press("Control+z")
+    expect(page.locator('[id^="cell"]')).to_have_count(49)
+
+
+def test_a_rule_is_written_as_text_and_a_finding_frames_its_cell(page: Page, shot: Callable[[str], Path]) -> None:
+    choose_tab(page, "Rules")
+    text = page.locator("textarea").locator("visible=true").first
+    text.fill("if e is NB or de is XX then T is LL")
+    expect(page.get_by_text("column 21")).to_be_visible()
+    text.fill("if e is NB or de is FR then T is LL with 0.2")
+    expect(page.get_by_text("column 21")).to_have_count(0)
+    page.get_by_role("button", name="add", exact=True).locator("visible=true").click()
+    expect(page.locator("#rule0")).to_have_text(re.compile("if e is NB or de is FR then T is LL with 0.2"))
+    page.get_by_role("button", name="clear", exact=True).click()
+    page.locator(".fw-r", has_text="no rule for 'e is NM'").click()
+    expect(page.locator("#cell1-0")).to_have_css("outline-color", "rgb(255, 215, 94)")
+    shot("findings")
+    for _ in range(2):
+        page.keyboard.press("Control+z")
+    expect(page.locator("#rule0")).to_have_count(0)
+    expect(page.locator("#cell0-0")).to_have_text("LL")
+
+
 def test_another_composition_and_another_resolution_change_the_metrics(page: Page, shot: Callable[[str], Path]) -> None:
     choose_tab(page, "Inference")
     choose_tab(page, "Metrics")

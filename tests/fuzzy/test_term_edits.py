@@ -13,7 +13,7 @@ from fuzzy import edits, partition, shapes
 from fuzzy.errors import InvalidSystemError
 from fuzzy.formats import load
 from fuzzy.rules import all_rules
-from fuzzy.shapes import Gaussian, Shape, Triangle
+from fuzzy.shapes import Gaussian, Linear, Shape, Triangle
 from fuzzy.system import FuzzySystem, Input, Output
 from tests import plain, strategies
 
@@ -203,3 +203,60 @@ def test_the_middle_term_stays_in_the_middle_and_spreads_to_both_sides():
     assert isinstance(both[0].shape, Gaussian)
     assert both[0].shape.mean == -both[-1].shape.mean  # type: ignore[union-attr]
     assert math.isclose(both[0].shape.sigma, both[-1].shape.sigma)  # type: ignore[union-attr]
+
+
+# Open sides
+
+
+@given(strategies.shapes_on(-3.0, 5.0))
+@settings(max_examples=60)
+def test_opening_a_side_is_one_up_to_infinity_and_closing_gives_a_valid_shape(shape: Shape):
+    system = edits.set_shape(DIAGONAL, "e", "Z", shape)
+    for side in edits.sides_that_open(shape):
+        infinity = -math.inf if side == "left" else math.inf
+        was_open = infinity in shapes.parameters(shape)
+        toggled = edits.toggle_open_side(system, "e", "Z", side)
+        after = toggled.inputs[0].terms[3].shape
+        assert type(after) is type(shape)
+        assert (infinity in shapes.parameters(after)) != was_open
+        assert plain.degrees(after, np.array([math.copysign(1e9, infinity)])) == (0.0 if was_open else 1.0)
+        if was_open:
+            assert edits.toggle_open_side(toggled, "e", "Z", side) == system
+
+
+def test_a_shape_without_an_open_side_says_so():
+    assert edits.sides_that_open(Gaussian(0.0, 1.0)) == ()
+    assert edits.sides_that_open(Triangle(-math.inf, 0.0, 1.0)) == ("left",), "at most one side may be open"
+    system = edits.set_shape(DIAGONAL, "e", "Z", Gaussian(0.0, 1.0))
+    with pytest.raises(InvalidSystemError, match="a gaussian cannot be open to the left here"):
+        edits.toggle_open_side(system, "e", "Z", "left")
+
+
+def test_an_output_term_becomes_a_function_of_the_inputs_and_a_set_again():
+    sugeno = edits.set_inference(edits.space_terms(DIAGONAL, "T", 7, "singleton"), defuzzifier="weighted_average")
+    function = edits.set_shape_kind(sugeno, "T", "LR", "linear")
+    assert function.outputs[0].terms[-1].shape == Linear((0.0, 0.0), 85.0)
+    x = np.random.default_rng(0).uniform((-1, -6), (1, 6), (50, 2))
+    assert fuzzy.compile_system(function).batch(x) == pytest.approx(fuzzy.compile_system(sugeno).batch(x))
+    assert edits.set_shape_kind(function, "T", "LR", "singleton") == sugeno
+    with pytest.raises(InvalidSystemError, match="linear"):
+        edits.set_shape_kind(DIAGONAL, "e", "PB", "linear")
+
+
+def test_height_and_complement_of_a_term():
+    system = edits.set_complement(edits.set_height(DIAGONAL, "e", "Z", 0.5), "e", "Z", is_complement=True)
+    assert (system.inputs[0].terms[3].height, system.inputs[0].terms[3].complement) == (0.5, True)
+    assert edits.set_shape_kind(system, "e", "Z", "gaussian").inputs[0].terms[3].height == 0.5
+    for height in (-0.1, 1.1, math.nan):
+        with pytest.raises(InvalidSystemError, match="height"):
+            edits.set_height(DIAGONAL, "e", "Z", height)
+
+
+@given(strategies.systems(max_rules=4), st.data())
+@settings(max_examples=40)
+def test_as_many_rules_go_with_a_term_as_are_counted(system, data):
+    found = data.draw(st.sampled_from((*system.inputs, *system.outputs)))
+    assume(len(found.terms) > 1)
+    term = data.draw(st.sampled_from(found.terms)).name
+    removed = edits.remove_term(system, found.name, term)
+    assert edits.rules_with(system, found.name, term) == len(all_rules(system)) - len(all_rules(removed))

@@ -18,6 +18,9 @@ from fuzzy.system import FuzzySystem
 _MOST = 24
 """Findings that are shown; the rest are counted."""
 
+_HEIGHT = 152
+"""Pixels that the findings may take; the rest is reached by scrolling."""
+
 _COLORS = {"error": ERROR, "warning": BAD, "hint": MUTED}
 
 
@@ -28,6 +31,7 @@ class FindingsView:
         self._dispatch = dispatch
         self._state: AppState | None = None
         self._rows = gui.add_html("")
+        self._chosen = gui.add_html("")
         self._buttons = grid.HiddenButtons(gui, [f"finding {n + 1}" for n in range(_MOST)], self._choose)
 
     def render(self, state: AppState) -> None:
@@ -38,13 +42,16 @@ class FindingsView:
                 target,
                 f"finding{number}",
                 f'<span style="color:{_COLORS[finding.level]}">▲</span> {escape(finding.message)}',
-                is_chosen=bool(finding.cells) and finding.cells == state.design.marked,
             )
             for number, (finding, target) in enumerate(zip(state.findings, self._buttons.ids, strict=False))
         ]
         if len(state.findings) > _MOST:
             rows.append(div(f"and {len(state.findings) - _MOST} more", f"color:{MUTED}"))
-        self._rows.content = grid.rows_html(rows)
+        self._rows.content = grid.rows_html(rows, height=_HEIGHT)
+        marked = [
+            n for n, finding in enumerate(state.findings) if finding.cells and finding.cells == state.design.marked
+        ]
+        self._chosen.content = grid.chosen_html(f"finding{marked[0]}") if marked else ""
 
     def _choose(self, number: int) -> None:
         assert self._state is not None

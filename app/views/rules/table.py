@@ -13,9 +13,9 @@ from app.palette import MUTED
 from app.runner import Frame
 from app.state import AppState, DesignChanged, Edit, Selected
 from app.store import Dispatch
-from app.views.axes import AxesView
-from app.views.findings import FindingsView
-from app.views.rule_list import RuleListView
+from app.views.rules.axes import AxesView
+from app.views.rules.findings import FindingsView
+from app.views.rules.listing import RuleListView
 from app.widgets import div, on_input
 from fuzzy import edits, rules
 from fuzzy.system import Variable
@@ -184,7 +184,7 @@ def _activity(state: AppState) -> np.ndarray | None:
 def _count_html(state: AppState) -> str:
     system = state.document
     count = len(rules.all_rules(system))
-    lines = [f"{count} rules"]
+    lines = [f"{count} rule{'s' if count != 1 else ''}"]
     listed = len(system.rules.list)
     if listed and listed < count:
         lines.append(f"{listed} of them in the list")

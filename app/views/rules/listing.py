@@ -37,6 +37,7 @@ class RuleListView:
         self._head = gui.add_html("")
         self._rows = gui.add_html("")
         self._glow = gui.add_html("")
+        self._chosen = gui.add_html("")
         self._pages = gui.add_button_group("page", tuple(_STEPS))
         self._text = gui.add_text("rule", "", multiline=True)
         gui.add_html(full_width_html(self._text, 10, 10))
@@ -67,11 +68,11 @@ class RuleListView:
                     target,
                     f"rule{first + n}",
                     f'<span style="color:{MUTED}">{first + n + 1}</span> {escape(rules.format_rule(rule))}',
-                    is_chosen=first + n == design.rule,
                 )
                 for n, (rule, target) in enumerate(zip(shown, self._buttons.ids, strict=False))
             ]
         )
+        self._chosen.content = "" if design.rule is None else grid.chosen_html(f"rule{design.rule}")
         self._pages.visible = len(listed) > grid.PAGE
         self._text.value = _text(state)
         self._error.content = _error_html(state)

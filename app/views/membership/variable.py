@@ -1,0 +1,103 @@
+"""The chosen variable as a whole: its name, unit and range, and the number of its terms."""
+
+from __future__ import annotations
+
+import time
+from functools import partial
+
+import viser
+
+from app import clean
+from app.state import AppState, DesignChanged, Edit, Event, Selected
+from app.store import Dispatch
+from app.views.membership.choice import MOST_VALUE, chosen, digits, is_shown_as
+from app.widgets import on_input
+from fuzzy import edits
+from fuzzy.system import Variable
+from fuzzy.validation import MAX_TERMS
+
+_SPACED = ("triangle", "trapezoid", "gaussian", "singleton")
+"""Shapes of evenly spaced terms."""
+
+
+class VariableView:
+    """Editors of one variable."""
+
+    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+        self._state: AppState | None = None
+        self._range = gui.add_vector2("range", (0.0, 1.0), step=0.001)
+        on_input(self._range, dispatch, self._set_range)
+        self._stretch = gui.add_checkbox(
+            "stretch terms", initial_value=False, hint="Whether the terms are stretched along when the range changes"
+        )
+        on_input(self._stretch, dispatch, lambda value: DesignChanged({"stretches": clean.flag(value)}))
+        self._unit = gui.add_text("unit", "")
+        on_input(self._unit, dispatch, self._set_unit)
+        self._count = gui.add_number("even terms", 7, min=1, max=MAX_TERMS, step=1)
+        on_input(self._count, dispatch, _counted)
+        spaced = gui.add_button_group("space them as", _SPACED, hint="Rules follow to the nearest term")
+        on_input(spaced, dispatch, self._space)
+        self._name = gui.add_text("variable name", "")
+        on_input(self._name, dispatch, lambda t: DesignChanged({"variable_name": clean.text(t, 4 * clean.MAX_NAME)}))
+        renaming = gui.add_button_group("", ("rename the variable",))
+        on_input(renaming, dispatch, lambda _: self._rename())
+
+    def render(self, state: AppState) -> None:
+        """Show the chosen variable."""
+        self._state = state
+        variable, design = chosen(state), state.design
+        decimals = digits(variable)
+        self._range.precision, self._range.step = decimals, 10.0**-decimals
+        self._range.value = (float(variable.low), float(variable.high))
+        self._stretch.value = design.stretches
+        self._unit.value = variable.unit
+        self._count.value = len(variable.terms) if design.count is None else design.count
+        self._name.value = variable.name if design.variable_name is None else design.variable_name
+
+    def _set_range(self, value: object) -> Edit | None:
+        state, variable = self._present()
+        if not isinstance(value, tuple) or len(value) != 2:
+            raise clean.Refused("the range is no pair; valid are two numbers")
+        low, high = (
+            present if is_shown_as(sent, present, digits(variable)) else sent
+            for sent, present in zip(
+                (clean.number(end, -MOST_VALUE, MOST_VALUE, "the range") for end in value),
+                (variable.low, variable.high),
+                strict=True,
+            )
+        )
+        if (low, high) == (variable.low, variable.high):
+            return None
+        change = partial(
+            edits.set_range, variable=variable.name, low=low, high=high, scales_terms=state.design.stretches
+        )
+        label = f"{variable.name}: range {low:g} to {high:g}"
+        return Edit(label, change, f"range {variable.name}", time.monotonic())
+
+    def _set_unit(self, value: object) -> Edit:
+        _, variable = self._present()
+        unit = clean.text(value, clean.MAX_NAME, "the unit")
+        change = partial(edits.set_unit, variable=variable.name, unit=unit)
+        return Edit(f"{variable.name}: unit {unit}", change, f"unit {variable.name}", time.monotonic())
+
+    def _space(self, value: object) -> Edit:
+        state, variable = self._present()
+        kind = clean.choice(value, _SPACED, "the shape")
+        count = len(variable.terms) if state.design.count is None else state.design.count
+        change = partial(edits.space_terms, variable=variable.name, count=count, kind=kind)
+        return Edit(f"{variable.name}: {count} even terms", change)
+
+    def _rename(self) -> tuple[Event, ...]:
+        state, variable = self._present()
+        wanted = variable.name if state.design.variable_name is None else state.design.variable_name
+        name = clean.name(wanted, "the variable's name")
+        change = partial(edits.rename_variable, variable=variable.name, name=name)
+        return Edit(f"rename {variable.name} to {name}", change), Selected({"variable": name, "term": state.term})
+
+    def _present(self) -> tuple[AppState, Variable]:
+        assert self._state is not None, "rendered before any callback"
+        return self._state, chosen(self._state)
+
+
+def _counted(value: object) -> DesignChanged:
+    return DesignChanged({"count": round(clean.number(value, 1, MAX_TERMS, "the number of terms"))})
