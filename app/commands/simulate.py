@@ -189,49 +189,17 @@ def _print(metrics: Metrics) -> None:
 
 
 def _write(run: Run, path: Path) -> None:
-    import numpy as np
+    from app import exports
+    from app.commands.files import output
 
-    from app.commands.files import output, write_columns
-
-    arrays = {"q": run.q, "dq": run.dq, "reference": run.reference, "control": run.control}
-    arrays |= {"disturbance": run.disturbance, "e": run.inputs[:, :, 0], "de": run.inputs[:, :, 1], "T": run.output}
-    if path.suffix.lower() == ".csv":
-        names = ["t", *(f"{kind}_{name}" for kind in arrays for name in run.arm.coordinates), *run.arm.actuators]
-        write_columns(path, names, np.hstack([run.t[:, np.newaxis], *arrays.values(), run.forces]))
-        return
-    with output(path) as temporary, temporary.open("wb") as file:
-        np.savez_compressed(
-            file,
-            t=run.t,
-            forces=run.forces,
-            activity=run.activity,
-            coordinates=np.array(run.arm.coordinates),
-            actuators=np.array(run.arm.actuators),
-            allow_pickle=False,
-            **arrays,
-        )
+    data = exports.csv(run) if path.suffix.lower() == ".csv" else exports.npz(run)
+    with output(path) as temporary:
+        temporary.write_bytes(data)
 
 
 def _draw(run: Run, title: str, path: Path) -> None:
-    from matplotlib.figure import Figure
-
+    from app import exports
     from app.commands.files import output
 
-    figure = Figure(figsize=(9, 9), layout="constrained")
-    lengths, angles, forces = figure.subplots(3, 1, sharex=True)
-    n = run.arm.n_modules
-    for axes, first, unit in ((lengths, 0, "extension / m"), (angles, n, "bending / rad")):
-        for place in range(first, first + n):
-            (line,) = axes.plot(run.t, run.q[:, place], label=run.arm.coordinates[place])
-            axes.plot(run.t, run.reference[:, place], color=line.get_color(), linestyle="--", linewidth=1)
-        axes.set_ylabel(unit)
-    for place, name in enumerate(run.arm.actuators):
-        forces.plot(run.t, run.forces[:, place], label=name, linewidth=1)
-    forces.set_ylabel("actuator force / N")
-    forces.set_xlabel("time / s")
-    for axes in (lengths, angles, forces):
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small", frameon=False)
-        axes.grid(alpha=0.3)
-    lengths.set_title(f"{title} (references dashed)")
     with output(path) as temporary:
-        figure.savefig(temporary, dpi=120)
+        temporary.write_bytes(exports.picture(run, title, kind=path.suffix[1:]))

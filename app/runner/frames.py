@@ -70,6 +70,15 @@ def resting_frame(arm: Arm) -> Frame:
     return Frame(arm, 0.0, q, q, nothing, np.zeros(2), None, None, 0.0, None, np.zeros((size, 2)), nothing)
 
 
+def frame_of(run: Run, time: float) -> Frame:
+    """Return a moment of a run without its inference: what a picture of the arm needs."""
+    sample = sample_at(run, time)
+    return Frame(
+        run.arm, sample.t, sample.q, sample.reference, sample.forces, sample.inputs[0], None, None, 0.0, None,
+        sample.inputs, sample.output,
+    )  # fmt: skip
+
+
 def row_at(run: Run, time: float) -> int:
     """Return the row of a run at a time, the last one before it, within the run."""
     return min(max(int(time * TICKS_PER_SECOND + 0.5), 0), len(run.t) - 1)

@@ -22,6 +22,9 @@ from robot.pull import Pull, nearest_point
 _FARTHEST = 3.0
 """How far from the base (m) a hand can be."""
 
+_NARROW = 0.9
+"""Width over height of a window for which the first view is too near."""
+
 SetPull = Callable[[Pull | None], None]
 
 
@@ -49,6 +52,7 @@ class Scene:
             BoardView(server.scene, dispatch),
             SurfaceView(server.scene),
         )
+        server.on_client_connect(_step_back)
         server.on_client_disconnect(self._let_go)
 
     def render(self, state: AppState) -> None:
@@ -86,6 +90,12 @@ class Scene:
         if self._point is not None:
             self._point = None
             self._pull(None)
+
+
+async def _step_back(client: viser.ClientHandle) -> None:
+    """Let a narrow window see all of the scene."""
+    if client.camera.aspect < _NARROW:
+        look(client, "all")
 
 
 def light(scene: viser.SceneApi) -> None:

@@ -123,7 +123,7 @@ def _status_html(state: AppState, frame: Frame) -> str:
         elif playback.is_playing:
             what = f"live simulation · {frame.factor:.2f}× real time"
             if 0.0 < frame.factor < _SLOW * playback.speed:
-                what, color = f"live at {frame.factor:.2f}× real time, this machine's limit", BAD
+                what, color = f"live simulation · {frame.factor:.2f}×, no faster here", BAD
     else:
         what = "replay of the last run"
     return div(f"{playing} {what} · t = {frame.t:.2f} s", f"color:{color};font-variant-numeric:tabular-nums")

@@ -9,6 +9,7 @@ import viser
 from app.store import Dispatch
 from app.views.baselines import BaselinesView
 from app.views.experiment import ExperimentView
+from app.views.export import ExportView
 from app.views.metrics import MetricsView
 from app.views.playback import PlaybackView
 from app.views.plots import PlotsView
@@ -33,6 +34,8 @@ class RunPanels:
             baselines = BaselinesView(gui, dispatch)
         with gui.add_folder("View", expand_by_default=False):
             stage = StageView(gui, dispatch)
+        with gui.add_folder("Save", expand_by_default=False):
+            export = ExportView(gui, dispatch)
         self.response = gui.add_panel()
         with self.response.add_tab("Plots", viser.Icon.CHART_LINE):
             plots = PlotsView(gui, dispatch)
@@ -40,5 +43,5 @@ class RunPanels:
             metrics = MetricsView(gui)
         with self.response.add_tab("Why", viser.Icon.QUESTION_MARK):
             why = WhyView(gui, dispatch)
-        self.views: tuple[Any, ...] = (self.playback, experiment, baselines, stage, plots, metrics, why)
+        self.views: tuple[Any, ...] = (self.playback, experiment, baselines, stage, export, plots, metrics, why)
         self.live_views: tuple[Any, ...] = (self.playback, plots, why)
