@@ -11,10 +11,10 @@ RULEBASE := rulebases/diagonal.yaml
 # Pyright runs as installed: it neither looks for a newer release nor downloads Node.js (its package brings both).
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
-.PHONY: help run install test check format bench screenshot browser clean
+.PHONY: help run install test check format bench bench-ui screenshot browser clean
 
 help:  ## list the targets
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1|\2/p' $(MAKEFILE_LIST) | awk -F '|' '{printf "  %-16s %s\n", $$1, $$2}'
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1|\2/p' $(MAKEFILE_LIST) | awk -F '|' '{printf "  %-16s %s\n", $$1, $$2}'
 
 run: $(VENV)/installed  ## start the workbench on http://127.0.0.1:8080 (RULEBASE=... opens another file)
 	@exec $(BIN)/fuzzy-workbench serve $(RULEBASE) --open
@@ -35,6 +35,9 @@ format: $(VENV)/installed-dev  ## format the sources
 
 bench: $(VENV)/installed-dev  ## print how fast inference, simulation and editing are on this machine
 	@$(BIN)/python -m benchmarks
+
+bench-ui: $(VENV)/installed-dev browser  ## print how soon the page answers while a slider is dragged, in a real browser
+	@$(BIN)/python -m benchmarks ui
 
 screenshot: $(VENV)/installed-dev browser  ## take docs/screenshot.png again, through the browser test
 	@$(BIN)/python -m pytest tests/e2e
