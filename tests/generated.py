@@ -4,16 +4,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
+from msgspec.structs import replace
 
 from fuzzy import sets
-from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle
+from fuzzy.conversion import converted
+from fuzzy.errors import InvalidSystemError
+from fuzzy.shapes import (
+    SHAPES,
+    Gaussian,
+    Points,
+    Ramp,
+    Rectangle,
+    Shape,
+    Trapezoid,
+    Triangle,
+    kind,
+    locations,
+    validate,
+)
 from fuzzy.system import (
     And,
     Expression,
     FuzzySystem,
+    Hedge,
+    Hedged,
     Inference,
     Input,
     Is,
@@ -35,7 +52,7 @@ _TOWARDS = 1e-6
 
 
 def systems(
-    count: int, seed: int, *, curved: bool = False, ordered: bool = False, **operators
+    count: int, seed: int, *, curved: bool = False, ordered: bool = False, varied: bool = False, **operators
 ) -> Iterator[FuzzySystem]:
     """Yield valid systems.
 
@@ -44,11 +61,57 @@ def systems(
         seed: Of the random numbers.
         curved: Whether some sets are Gaussians.
         ordered: Whether of every output's sets only neighbours overlap.
+        varied: Whether the sets are of all kinds, with heights and complements, and rules have hedges and name outputs.
         operators: Fields of ``Inference``; the others are drawn.
     """
     random = np.random.default_rng(seed)
     for number in range(count):
-        yield system(random, f"generated {number}", curved=curved, ordered=ordered, **operators)
+        found = system(random, f"generated {number}", curved=curved, ordered=ordered, **operators)
+        yield _varied(random, found, curved=curved) if varied else found
+
+
+def _varied(random: Generator, found: FuzzySystem, *, curved: bool) -> FuzzySystem:
+    """Return a system with some terms of other kinds, with heights and complements, and some hedges and outputs."""
+    inputs = tuple(replace(v, terms=tuple(_other(random, v, t, curved=curved) for t in v.terms)) for v in found.inputs)
+    outputs = []
+    for output in found.outputs:
+        terms = tuple(_other(random, output, term, curved=curved) for term in output.terms)
+        ends = (sets.support(term, output.low, output.high) for term in terms)
+        has_areas = [right - left > 0.01 * (output.high - output.low) for left, right in ends]
+        pairs = zip(terms, output.terms, has_areas, strict=True)
+        outputs.append(replace(output, terms=tuple(new if has_area else old for new, old, has_area in pairs)))
+    rules = [replace(found.rules.list[0])]
+    for rule in found.rules.list[1:]:
+        antecedent = rule.antecedent
+        kind = random.integers(6)
+        if kind == 0 and curved:  # hedges take roots, which fractions have not
+            antecedent = Hedged(antecedent, _one(random, get_args(Hedge)))
+        elif kind == 1:
+            antecedent = Or((antecedent, _proposition(random, found.outputs)))
+        rules.append(replace(rule, antecedent=antecedent))
+    rule_base = replace(found.rules, list=tuple(rules))
+    return replace(found, inputs=inputs, outputs=tuple(outputs), rules=rule_base)
+
+
+STRAIGHT_KINDS = tuple(kind(shape) for shape in (Triangle, Trapezoid, Rectangle, Ramp, Points))
+CURVED_KINDS = tuple(kind(shape) for shape in SHAPES if kind(shape) not in (*STRAIGHT_KINDS, "singleton"))
+
+
+def _other(random: Generator, variable: Input | Output, term: Term, *, curved: bool) -> Term:
+    kinds = CURVED_KINDS if curved and random.random() < 0.5 else STRAIGHT_KINDS
+    try:
+        found = converted(term.shape, _one(random, kinds))
+        validate(found)
+    except InvalidSystemError:  # a set without width cannot take every shape
+        found = term.shape
+    if isinstance(found, Points) and random.random() < 0.5:
+        places = sorted(variable.low + (variable.high - variable.low) * random.integers(0, 9, 5) / 8)
+        degrees = random.integers(0, 5, 5) / 4
+        found = Points(tuple({float(x): (float(x), float(y)) for x, y in zip(places, degrees, strict=True)}.values()))
+        if not degrees.any() or not any(y for _, y in found.points):
+            found = term.shape
+    height = float(_one(random, (1.0, 1.0, 0.5, 0.1 + 0.9 * random.random())))
+    return Term(term.name, found, height, bool(random.random() < 0.2))
 
 
 def system(random: Generator, name: str, *, curved: bool, ordered: bool, **operators) -> FuzzySystem:
@@ -85,7 +148,7 @@ def inputs_for(random: Generator, system: FuzzySystem) -> list[float]:
         value = variable.low + random.random() * (variable.high - variable.low)
         if kind == 0:
             shape = variable.terms[random.integers(len(variable.terms))].shape
-            points = [getattr(shape, field) for field in shape.__struct_fields__]
+            points = locations(shape)
             value = float(points[random.integers(len(points))])
         elif kind == 1:
             value = _one(random, (variable.low, variable.high, variable.low - 1.0, variable.high + 1.0))

@@ -25,6 +25,8 @@ from fuzzy.kernels.norms import (
     SUM,
 )
 
+_ROUNDING = 1e-15
+
 
 @addressed_kernel
 def centroid(address, output):
@@ -85,6 +87,8 @@ def _follow(address, output, question):
     gain = workspace.gain[output]
     code = outputs.implication[0]
     origin = 0.5 * (outputs.range[output, 0] + outputs.range[output, 1])
+    # Where an implication takes 1 - w, a degree of 0 is known to rounding only.
+    least = 0.0 if code <= PRODUCT else _ROUNDING
     account = scratch[: pieces.ACCOUNT]
     terms = scratch[pieces.ACCOUNT : pieces.ACCOUNT + 2 * count]
     lines = scratch[pieces.ACCOUNT + 2 * count : pieces.ACCOUNT + 4 * count]
@@ -119,7 +123,7 @@ def _follow(address, output, question):
                     value, rise = _imply(code, gain, workspace.level[start + m], terms[2 * m] + centre * slope, slope)
                     lines[2 * m] = value - (centre - begin) * rise
                     lines[2 * m + 1] = rise
-                _join(account, question, origin, outputs.aggregation[0], lines, left, width, begin, end)
+                _join(account, question, origin, least, outputs.aggregation[0], lines, left, width, begin, end)
                 begin = end
 
 
@@ -159,7 +163,7 @@ def _imply(code, gain, w, degree, slope):
 
 
 @borrowing_kernel
-def _join(account, question, origin, code, lines, left, width, begin, end):
+def _join(account, question, origin, least, code, lines, left, width, begin, end):
     """Enter the aggregate of lines over a part of an interval; they are their values at ``begin`` and slopes."""
     if code in (SUM, BOUNDED_SUM):
         value = 0.0
@@ -169,13 +173,13 @@ def _join(account, question, origin, code, lines, left, width, begin, end):
             rise += lines[2 * m + 1]
         last = value + (end - begin) * rise
         if code == SUM or (value <= 1.0 and last <= 1.0):
-            _enter(account, question, origin, left, width, begin, end, value, last)
+            _enter(account, question, origin, least, left, width, begin, end, value, last)
         elif value >= 1.0 and last >= 1.0:
-            _enter(account, question, origin, left, width, begin, end, 1.0, 1.0)
+            _enter(account, question, origin, least, left, width, begin, end, 1.0, 1.0)
         else:
             middle = begin + (1.0 - value) / rise
-            _enter(account, question, origin, left, width, begin, middle, min(value, 1.0), 1.0)
-            _enter(account, question, origin, left, width, middle, end, 1.0, min(last, 1.0))
+            _enter(account, question, origin, least, left, width, begin, middle, min(value, 1.0), 1.0)
+            _enter(account, question, origin, least, left, width, middle, end, 1.0, min(last, 1.0))
         return
     side = -1.0 if code == LEAST else 1.0
     leading = 0
@@ -202,7 +206,7 @@ def _join(account, question, origin, code, lines, left, width, begin, end):
         rise = lines[2 * leading + 1]
         first = value + (x - begin) * rise
         last = value + (nearest - begin) * rise
-        _enter(account, question, origin, left, width, x, nearest, first, last)
+        _enter(account, question, origin, least, left, width, x, nearest, first, last)
         if following == leading:
             break
         leading = following
@@ -210,7 +214,9 @@ def _join(account, question, origin, code, lines, left, width, begin, end):
 
 
 @borrowing_kernel
-def _enter(account, question, origin, left, width, begin, end, first, last):
+def _enter(account, question, origin, least, left, width, begin, end, first, last):
     if end > begin:
         x0 = left + begin * width
-        pieces.add(account, question, origin, x0, left + end * width, max(first, 0.0), max(last, 0.0))
+        y0 = first if first > least else 0.0
+        y1 = last if last > least else 0.0
+        pieces.add(account, question, origin, x0, left + end * width, y0, y1)
