@@ -9,11 +9,14 @@ from hypothesis import strategies as st
 
 from fuzzy import sets
 from fuzzy import system as document
-from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle
+from fuzzy.conversion import converted
+from fuzzy.errors import InvalidSystemError
+from fuzzy.shapes import SHAPES, Gaussian, Shape, Trapezoid, Triangle, kind, parameters, validate
 from fuzzy.system import (
     And,
     Expression,
     FuzzySystem,
+    Hedged,
     Inference,
     Input,
     Is,
@@ -117,17 +120,17 @@ def shapes_on(
 ) -> Shape:
     """A shape near [low, high]; with ``needs_area`` one whose set has an area there, as an output's must."""
     width = high - low
-    kind = draw(_kinds if has_gaussians else _linear_kinds)
+    wanted = draw(_kinds if has_gaussians else _linear_kinds)
     shape: Shape
-    if kind == "gaussian":
+    if wanted == "gaussian":
         return Gaussian(low + width * draw(_unit), width * draw(_sigma))
     first, second, third, last = (low + width * position for position in sorted(draw(_four_near)))
     side = draw(_open_sides)
     if side in {"left", "both"}:
         first = -math.inf
-    if side == "right" or (side == "both" and kind == "trapezoid"):
+    if side == "right" or (side == "both" and wanted == "trapezoid"):
         last = math.inf
-    shape = Triangle(first, second, last) if kind == "triangle" else Trapezoid(first, second, third, last)
+    shape = Triangle(first, second, last) if wanted == "triangle" else Trapezoid(first, second, third, last)
     left, right = sets.support(plain.term(shape), low, high)
     if needs_area and right - left < 0.01 * width:
         return Triangle(low, low + width / 2, high)
@@ -142,10 +145,29 @@ ranges = st.tuples(_lows, _widths).map(lambda drawn: (drawn[0], drawn[0] + drawn
 
 
 @st.composite
-def _terms(draw: st.DrawFn, ends: tuple[float, float], most: int, needs_area: bool, name, has_gaussians: bool):
+def _terms(
+    draw: st.DrawFn, ends: tuple[float, float], most: int, needs_area: bool, name, has_gaussians: bool, is_varied: bool
+):
     found = draw(st.lists(name, min_size=1, max_size=most, unique=True))
     shape = shapes_on(*ends, needs_area=needs_area, has_gaussians=has_gaussians)
-    return tuple(Term(term, draw(shape)) for term in found)
+    terms = (Term(term, draw(shape)) for term in found)
+    return tuple(draw(_varied(term, ends, needs_area)) if is_varied else term for term in terms)
+
+
+@st.composite
+def _varied(draw: st.DrawFn, term: Term, ends: tuple[float, float], needs_area: bool) -> Term:
+    """The term with a set of any kind, with a height, or as a complement."""
+    try:
+        shape = converted(term.shape, draw(st.sampled_from([kind(each) for each in SHAPES])))
+        validate(shape)
+        if any(math.isfinite(value) and abs(value) > 1e9 for value in parameters(shape)):
+            shape = term.shape
+    except InvalidSystemError:  # a set without width cannot take every shape
+        shape = term.shape
+    other = Term(term.name, shape, draw(st.sampled_from((1.0, 0.5, 0.1))), draw(st.booleans()))
+    left, right = sets.support(other, *ends)
+    has_area = right - left > 0.01 * (ends[1] - ends[0]) and not sets.is_singleton(other)
+    return other if has_area or not needs_area else term
 
 
 _policies = st.sampled_from(typing.get_args(document.NoFirePolicy))
@@ -166,22 +188,26 @@ def propositions(draw: st.DrawFn, variables: tuple[Variable, ...]) -> Is:
     return Is(variable.name, draw(st.sampled_from(variable.terms)).name)
 
 
-def expressions(inputs: tuple[Input, ...]) -> st.SearchStrategy[Expression]:
-    """Antecedents with NOT, AND and OR in any nesting."""
+def expressions(variables: tuple[Variable, ...], *, has_hedges: bool = False) -> st.SearchStrategy[Expression]:
+    """Antecedents with NOT, AND and OR, and perhaps hedges, in any nesting."""
 
     def nested(inner: st.SearchStrategy[Expression]) -> st.SearchStrategy[Expression]:
         operands = st.lists(inner, min_size=2, max_size=3).map(tuple)
-        return st.one_of(st.builds(Not, inner), st.builds(And, operands), st.builds(Or, operands))
+        hedged = [st.builds(Hedged, inner, st.sampled_from(typing.get_args(document.Hedge)))] if has_hedges else []
+        return st.one_of(st.builds(Not, inner), st.builds(And, operands), st.builds(Or, operands), *hedged)
 
-    return st.recursive(propositions(inputs), nested, max_leaves=6)
+    return st.recursive(propositions(variables), nested, max_leaves=6)
 
 
 @st.composite
-def rules_of(draw: st.DrawFn, inputs: tuple[Input, ...], outputs: tuple[Output, ...]) -> Rule:
-    """A rule over these variables."""
+def rules_of(
+    draw: st.DrawFn, inputs: tuple[Input, ...], outputs: tuple[Output, ...], *, is_varied: bool = False
+) -> Rule:
+    """A rule over these variables; one that is varied has hedges and names outputs in its antecedent, too."""
     consequents = draw(st.lists(propositions(outputs), min_size=1, max_size=2, unique=True))
     weight = draw(st.one_of(st.just(1.0), st.floats(0, 1)))
-    return Rule(draw(expressions(inputs)), tuple(consequents), weight)
+    named: tuple[Variable, ...] = (*inputs, *outputs) if is_varied else inputs
+    return Rule(draw(expressions(named, has_hedges=is_varied)), tuple(consequents), weight)
 
 
 @st.composite
@@ -200,13 +226,22 @@ _OPERATORS = {field: st.sampled_from(typing.get_args(_HINTS[field])) for field i
     "aggregation": st.sampled_from(("max", "sum")),
     "defuzzifier": st.sampled_from(("centroid", "center_of_sums")),
 }
-_samplings = st.builds(Sampling, st.integers(2, 400), st.sampled_from(("midpoints", "endpoints")))
+_ALL_OPERATORS = _OPERATORS | {
+    "implication": st.sampled_from(typing.get_args(document.Implication)),
+    "aggregation": st.sampled_from(typing.get_args(document.Aggregation)),
+    "defuzzifier": st.sampled_from(
+        ("centroid", "center_of_sums", "bisector", "mom", "som", "lom", "som_abs", "lom_abs")
+    ),
+}
+"""Operators for every system whose sets have areas."""
+
+_samplings = st.builds(Sampling, st.integers(2, 400), st.sampled_from(typing.get_args(document.SamplingRule)))
 _resolutions = {True: st.just("exact"), False: _samplings, None: st.just("exact") | _samplings}
 
 
-def inferences(*, is_exact: bool | None = None) -> st.SearchStrategy[Inference]:
-    """Operators and a resolution; ``is_exact`` fixes which kind."""
-    return st.builds(Inference, **_OPERATORS, resolution=_resolutions[is_exact])
+def inferences(*, is_exact: bool | None = None, is_varied: bool = False) -> st.SearchStrategy[Inference]:
+    """Operators, all of them if ``is_varied``, and a resolution; ``is_exact`` fixes which kind."""
+    return st.builds(Inference, **(_ALL_OPERATORS if is_varied else _OPERATORS), resolution=_resolutions[is_exact])
 
 
 _notes = st.one_of(st.just(""), st.text(st.sampled_from("ab:#-'\"\\|> \n\t"), max_size=40))
@@ -225,22 +260,23 @@ def systems(
     name: st.SearchStrategy[str] = simple_names,
     has_gaussians: bool = True,
     is_exact: bool | None = None,
+    is_varied: bool = False,
 ) -> FuzzySystem:
-    """A valid system; ``name=names`` for every odd name, the rest bounds its size and kind."""
+    """A valid system; ``name=names`` for every odd name, ``is_varied`` for all shapes, operators and hedges."""
     count = draw(st.integers(1, max_inputs))
     variables = draw(st.lists(name, min_size=count + 1, max_size=count + max_outputs, unique=True))
     inputs: list[Input] = []
     outputs: list[Output] = []
     for variable in variables[:count]:
         ends = draw(ranges)
-        terms = draw(_terms(ends, max_terms, False, name, has_gaussians))
+        terms = draw(_terms(ends, max_terms, False, name, has_gaussians, is_varied))
         inputs.append(Input(variable, *ends, terms, draw(_units), draw(_out_of_range)))
     for variable in variables[count:]:
         ends = draw(ranges)
-        terms = draw(_terms(ends, max_terms, True, name, has_gaussians))
+        terms = draw(_terms(ends, max_terms, True, name, has_gaussians, is_varied))
         outputs.append(Output(variable, *ends, terms, draw(_units), draw(no_fires(ends))))
     table = draw(st.none() | tables_of(tuple(inputs), tuple(outputs))) if count > 1 else None
-    listed = draw(st.lists(rules_of(tuple(inputs), tuple(outputs)), max_size=max_rules))
-    inference = draw(inferences(is_exact=is_exact))
+    listed = draw(st.lists(rules_of(tuple(inputs), tuple(outputs), is_varied=is_varied), max_size=max_rules))
+    inference = draw(inferences(is_exact=is_exact, is_varied=is_varied))
     rule_base = RuleBase(table, tuple(listed))
     return FuzzySystem(draw(name), tuple(inputs), tuple(outputs), rule_base, inference, draw(_notes))

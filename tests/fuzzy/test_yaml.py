@@ -113,7 +113,7 @@ def test_the_reference_page_shows_a_valid_file():
     assert system.inference == Inference()
 
 
-@given(strategies.systems(name=strategies.names))
+@given(strategies.systems(name=strategies.names, is_varied=True))
 @settings(max_examples=60)
 def test_reading_inverts_writing(system):
     text = dumps(system)
