@@ -11,7 +11,7 @@ RULEBASE := rulebases/diagonal.yaml
 # Pyright runs as installed: it neither looks for a newer release nor downloads Node.js (its package brings both).
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
-.PHONY: help run install test check format bench bench-ui screenshot browser clean
+.PHONY: help run install test check format bench bench-ui torture soak package screenshot browser clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1|\2/p' $(MAKEFILE_LIST) | awk -F '|' '{printf "  %-16s %s\n", $$1, $$2}'
@@ -38,6 +38,15 @@ bench: $(VENV)/installed-dev  ## print how fast inference, simulation and editin
 
 bench-ui: $(VENV)/installed-dev browser  ## print how soon the page answers while a slider is dragged, in a real browser
 	@$(BIN)/python -m benchmarks ui
+
+torture: $(VENV)/installed-dev  ## kill 500 editing sessions and see that nothing is lost (eight minutes; COUNT=... for fewer)
+	@$(BIN)/python -m tests.torture $(or $(COUNT),500)
+
+soak: $(VENV)/installed-dev  ## ten minutes of editing and playback with 20 browsers (MINUTES=... for another time)
+	@$(BIN)/python -m tests.soak $(or $(MINUTES),10)
+
+package: $(VENV)/installed-dev  ## build the wheel, install it into an empty environment and try it there
+	@$(BIN)/python -m tests.package
 
 screenshot: $(VENV)/installed-dev browser  ## take docs/screenshot.png again, through the browser test
 	@$(BIN)/python -m pytest tests/e2e

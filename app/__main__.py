@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import tyro
 
 from app.commands.check import check
+from app.commands.doctor import doctor
 from app.commands.explain import explain
 from app.commands.failure import UsageError, describe
 from app.commands.infer import infer
@@ -16,7 +17,15 @@ from app.commands.paper import paper
 from app.commands.serve import serve
 from app.commands.simulate import simulate
 
-COMMANDS = {"serve": serve, "check": check, "infer": infer, "explain": explain, "simulate": simulate, "paper": paper}
+COMMANDS = {
+    "serve": serve,
+    "check": check,
+    "infer": infer,
+    "explain": explain,
+    "simulate": simulate,
+    "paper": paper,
+    "doctor": doctor,
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -125,13 +125,13 @@ def _announce(host: str, port: int, address: str, open_browser: bool) -> None:
 
     guard.wait_until_served(host, port)
     print(f"Fuzzy workbench: {address}  (Ctrl+C ends it)", flush=True)
-    if open_browser and _has_display():
+    if open_browser and has_display():
         import webbrowser
 
         webbrowser.open(address)
 
 
-def _has_display() -> bool:
+def has_display() -> bool:
     """Tell whether a browser could be seen; without a display a text browser would take over the terminal."""
     if sys.platform in ("win32", "darwin"):
         return True

@@ -144,7 +144,11 @@ def _recovered(state: AppState, work: Work) -> AppState:
         way_back = Step(work.document, "recovered work", source=work.source)
         past = (*past, way_back, *state.past, Step(state.document, "recover", source=state.source))
     changed = _changed(state, work.document, past, work.future)
-    return _replace(changed, source=work.source, notice=Notice("Recovered the unsaved work."), question=None)
+    # A crash may come between saving and the journal: a file that holds one of these documents is no one else's.
+    own = (work.document, *(step.document for step in (*work.past, *work.future)))
+    is_own = state.file == work.source.file and state.source.saved in own
+    source = state.source if is_own else work.source
+    return _replace(changed, source=source, notice=Notice("Recovered the unsaved work."), question=None)
 
 
 def _edited(state: AppState, event: Edit) -> AppState:

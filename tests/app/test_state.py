@@ -631,8 +631,11 @@ def test_recovered_work_comes_with_its_history_and_its_file():
     left = update(left, Undo())
     fresh = initial(DIAGONAL, file="diagonal.yaml", stamp=Stamp(9, 9, "9"))
     recovered = update(update(fresh, Asked(Conflict("x", STAMP))), Recovered(left.work))
-    assert recovered.work == left.work
+    assert (recovered.document, recovered.past, recovered.future) == (left.document, left.past, left.future)
     assert recovered.question is None
+    assert recovered.source == fresh.source, "the file holds a document of this history: nobody else has changed it"
+    foreign = update(initial(PILTAN, file="diagonal.yaml", stamp=Stamp(9, 9, "9")), Recovered(left.work))
+    assert foreign.work == left.work
     assert update(recovered, Redo()).work.document == update(left, Redo()).work.document
     assert update(recovered, Undo()).document == DIAGONAL
 
