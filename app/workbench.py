@@ -19,9 +19,8 @@ from app.scene.scene import Scene
 from app.state import Asked, Event, Notice, Noticed, PlaybackChanged, Redo, ResetRequested, RunKept, Undo, initial
 from app.storage import Storage
 from app.store import Store
-from app.views.explain import ExplainView
 from app.views.files import FilesView
-from app.views.inference import InferenceView
+from app.views.inference import ExplainView, InferenceView
 from app.views.membership import MembershipView
 from app.views.playback import PlaybackView
 from app.views.question import QuestionView
@@ -119,7 +118,7 @@ class Workbench:
             membership = MembershipView(gui, dispatch)
         with design.add_tab("Inference", viser.Icon.MATH_FUNCTION):
             inference = InferenceView(gui, dispatch)
-            explanation = ExplainView(gui)
+            explanation = ExplainView(gui, dispatch)
         with design.add_tab("Files", viser.Icon.FOLDER):
             files = FilesView(gui, dispatch, self._filing)
         run = RunPanels(gui, dispatch)

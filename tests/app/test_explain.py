@@ -7,7 +7,7 @@ import pytest
 from msgspec.structs import replace
 
 import fuzzy
-from app.views.explain import output_curve
+from app.views.inference.explain import output_curves, output_lines
 from fuzzy.system import NoFire, RuleBase
 
 _SYSTEM = fuzzy.load("rulebases/diagonal.yaml")
@@ -18,7 +18,9 @@ _SYSTEM = fuzzy.load("rulebases/diagonal.yaml")
 def test_the_drawn_set_has_the_crisp_output_as_its_centroid(inputs: tuple[float, float], aggregation: str) -> None:
     system = replace(_SYSTEM, inference=replace(_SYSTEM.inference, aggregation=aggregation))
     trace = fuzzy.compile_system(system).explain(*inputs)
-    u, degree, mark = output_curve(trace)
+    u, *sets, degree, mark = output_curves(system, system.outputs[0], trace)
+    assert len(sets) + 2 == len(output_lines(system.outputs[0]))
+    assert (np.max(sets, axis=0) <= degree + 1e-9).all()
     assert (np.diff(u) > 0).all()
     assert 0.0 <= degree.min() <= degree.max() <= 1.0
     centroid = np.trapezoid(u * degree, u) / np.trapezoid(degree, u)
@@ -28,8 +30,9 @@ def test_the_drawn_set_has_the_crisp_output_as_its_centroid(inputs: tuple[float,
 
 def test_an_undefined_output_has_no_mark() -> None:
     output = replace(_SYSTEM.outputs[0], no_fire=NoFire("nan"))
-    silent = fuzzy.compile_system(replace(_SYSTEM, outputs=(output,), rules=RuleBase()))
-    u, degree, mark = output_curve(silent.explain(0.0, 0.0))
+    system = replace(_SYSTEM, outputs=(output,), rules=RuleBase())
+    u, *sets, degree, mark = output_curves(system, output, fuzzy.compile_system(system).explain(0.0, 0.0))
+    assert not np.any(sets)
     assert len(u) == len(degree) == len(mark)
     assert not degree.any()
     assert not mark.any()

@@ -37,9 +37,8 @@ from app.state import (
 )
 from app.storage import Stamp, Storage
 from app.store import Store
-from app.views.explain import ExplainView
 from app.views.files import FilesView
-from app.views.inference import InferenceView
+from app.views.inference import ExplainView, InferenceView
 from app.views.membership import MembershipView
 from app.views.rules import RulesView
 from app.views.run import RunPanels
@@ -86,7 +85,7 @@ class Screen:
     def _build(self, storage: Storage) -> None:
         gui, dispatch, filing = self.server.gui, self.store.dispatch, Filing(storage, lambda: self.store.state)
         run = RunPanels(gui, dispatch)
-        live = (RulesView(gui, dispatch), MembershipView(gui, dispatch), ExplainView(gui))
+        live = (RulesView(gui, dispatch), MembershipView(gui, dispatch), ExplainView(gui, dispatch))
         self.live_views: list[Any] = [*live, *run.live_views]
         self.views: list[Any] = [*live, *run.views, InferenceView(gui, dispatch), FilesView(gui, dispatch, filing)]
         self.pulls: list[Pull | None] = []
@@ -273,7 +272,10 @@ def test_a_refused_value_is_taken_back_and_said(screen: Screen) -> None:
     [
         ("composition", "Max-Nonsense"),
         ("implication", "eval"),
-        ("no rule fires", "explode"),
+        ("T silent", "explode"),
+        ("e beyond", "bounce"),
+        ("samples", "all of them"),
+        ("points", 1),
         ("shape", "heap"),
         ("scenario", "war"),
         ("controller", "__class__"),
@@ -285,7 +287,7 @@ def test_a_refused_value_is_taken_back_and_said(screen: Screen) -> None:
         ("new name", "x" * 1000),
         ("notes", "x" * 30_000),
         ("notes", "bell \x07"),
-        ("its value", float("nan")),
+        ("T is then", float("nan")),
     ],
 )
 def test_what_is_not_offered_is_refused(screen: Screen, run: Run, label: str, value: object) -> None:

@@ -164,6 +164,6 @@ def _legend_html(variable: Variable, chosen_term: str, value: float | None) -> s
     now = (
         ""
         if value is None
-        else f'<br><span style="color:{MUTED}">now {escape(variable.name)} = {value:.3f}{unit}</span>'
+        else f'<br><span style="color:{MUTED}">now {escape(variable.name)} = {round(value, 3) + 0.0:.3f}{unit}</span>'
     )
     return div(" · ".join(parts) + (now or f'<br><span style="color:{MUTED}">&nbsp;</span>'))

@@ -11,9 +11,6 @@ from fuzzy import edits, sets
 from fuzzy.shapes import Trapezoid, Triangle
 from fuzzy.system import FuzzySystem, Term, Variable
 
-MOST_VALUE = 1e12
-"""Greatest magnitude of a number that may be typed."""
-
 
 def chosen(state: AppState) -> Variable:
     """Return the variable whose terms are edited."""

@@ -10,10 +10,10 @@ from typing import Any
 import viser
 
 from app import clean
+from app.numbers import NumberRow
 from app.state import AppState, DesignChanged, Edit, Event, Selected
 from app.store import Dispatch
 from app.views.membership.choice import (
-    MOST_VALUE,
     chosen,
     chosen_term,
     digits,
@@ -30,8 +30,8 @@ from fuzzy.system import FuzzySystem, Output, Variable
 _ACTIONS = ("rename", "add", "remove", "◂", "▸")
 _SIDES: dict[str, Side] = {"−∞": "left", "+∞": "right"}
 _NOT = "not"
-_GROUPS = (3, 3, 3, 3)
-"""Number fields in a row; a shape with more numbers is dragged, or edited in the file."""
+_ROWS = 4
+"""Rows of three numbers; a shape with more is dragged, or edited in the file."""
 
 
 class TermView:
@@ -46,7 +46,7 @@ class TermView:
         on_input(actions, dispatch, self._act)
         self._shape: Any = gui.add_dropdown("shape", tuple(shapes.kind(shape) for shape in shapes.SHAPES))
         on_input(self._shape, dispatch, self._change_shape)
-        self._rows = [_NumberRow(gui, dispatch, row, self._set_parameters) for row in range(len(_GROUPS))]
+        self._rows = [NumberRow(gui, dispatch, partial(self._set_parameters, row)) for row in range(_ROWS)]
         self._traits: Any = gui.add_button_group(
             "open · not", (*_SIDES, _NOT), hint="Sides that stay 1 up to infinity; not: the complement of the shape"
         )
@@ -68,7 +68,7 @@ class TermView:
         self._shape.value = shapes.kind(shape)
         finite = _finite(shape)
         for number, row in enumerate(self._rows):
-            row.show(finite[3 * number : 3 * number + 3] if len(finite) <= sum(_GROUPS) else [], digits(variable))
+            row.show(finite[3 * number : 3 * number + 3] if len(finite) <= 3 * _ROWS else [], digits(variable))
         values = shapes.parameters(shape)
         is_on = {"−∞": -math.inf in values, "+∞": math.inf in values, _NOT: entry.complement}
         sides = edits.sides_that_open(shape)
@@ -154,39 +154,10 @@ class TermView:
         return self._state
 
 
-class _NumberRow:
-    """Up to three number fields in a row; viser has a widget for one, for two and for three."""
-
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch, row: int, set_all: Any) -> None:
-        step = 0.001
-        self._handles: dict[int, Any] = {
-            1: gui.add_number("–", 0.0, step=step, visible=False),
-            2: gui.add_vector2("–", (0.0, 0.0), step=step, visible=False),
-            3: gui.add_vector3("–", (0.0, 0.0, 0.0), step=step, visible=False),
-        }
-        for handle in self._handles.values():
-            on_input(handle, dispatch, lambda value: set_all(row, _cleaned(value)))
-
-    def show(self, shown: list[tuple[str, float]], decimals: int) -> None:
-        """Show these parameters."""
-        for size, handle in self._handles.items():
-            handle.visible = size == len(shown)
-            if handle.visible:
-                handle.label = " · ".join(name for name, _ in shown)
-                handle.precision, handle.step = decimals, 10.0**-decimals
-                values = tuple(value for _, value in shown)
-                handle.value = values[0] if size == 1 else values
-
-
 def _kinds(variable: Variable) -> tuple[str, ...]:
     """Return the shapes that a term of a variable may take; those of outputs may be functions of the inputs."""
     kinds = shapes.KINDS if isinstance(variable, Output) else shapes.SHAPES
     return tuple(shapes.kind(shape) for shape in kinds)
-
-
-def _cleaned(value: object) -> tuple[float, ...]:
-    values = value if isinstance(value, tuple) else (value,)
-    return tuple(clean.number(one, -MOST_VALUE, MOST_VALUE, "the parameter") for one in values)
 
 
 def _finite(shape: Shape) -> list[tuple[str, float]]:

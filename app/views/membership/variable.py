@@ -8,9 +8,10 @@ from functools import partial
 import viser
 
 from app import clean
+from app.numbers import MOST_VALUE
 from app.state import AppState, DesignChanged, Edit, Event, Selected
 from app.store import Dispatch
-from app.views.membership.choice import MOST_VALUE, chosen, digits, is_shown_as
+from app.views.membership.choice import chosen, digits, is_shown_as
 from app.widgets import on_input
 from fuzzy import edits
 from fuzzy.system import Variable

@@ -1,0 +1,6 @@
+"""Design › Inference."""
+
+from app.views.inference.explain import ExplainView
+from app.views.inference.operators import InferenceView
+
+__all__ = ["ExplainView", "InferenceView"]
