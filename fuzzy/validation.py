@@ -31,7 +31,10 @@ MAX_VARIABLES = 16
 """Greatest number of inputs, and of outputs."""
 
 MAX_TERMS = 64
-"""Greatest number of terms of one variable."""
+"""Greatest number of terms of an input."""
+
+MAX_OUTPUT_TERMS = 256
+"""Greatest number of terms of an output: a Sugeno system has one for each rule."""
 
 MAX_RULES = 4096
 """Greatest number of rules, table and list together."""
@@ -151,7 +154,8 @@ def _check_variable(variable: Variable, path: str) -> None:
         raise InvalidSystemError(f"[{low!r}, {high!r}] is too narrow to compute with", f"{path}.range")
     if len(variable.unit) > MAX_NAME or not variable.unit.isprintable():
         raise InvalidSystemError(f"expected at most {MAX_NAME} printable characters", f"{path}.unit")
-    _check_count(variable.terms, "terms", f"{path}.terms", MAX_TERMS)
+    most = MAX_OUTPUT_TERMS if isinstance(variable, Output) else MAX_TERMS
+    _check_count(variable.terms, "terms", f"{path}.terms", most)
     _check_unique([(term.name, f"{path}.terms.{term.name}") for term in variable.terms])
     for term in variable.terms:
         place = f"{path}.terms.{term.name}"

@@ -30,3 +30,18 @@ def observe(address, x, y, concludes, greatest, total, count, speaks):
                 for output in range(concludes.shape[1]):
                     if concludes[rule, output]:
                         speaks[i, output] = True
+
+
+@kernel
+def strengths(address, x, y, out):
+    """Run many inferences and keep the firing strengths.
+
+    Args:
+        address: Of a compiled system and its workspace.
+        x: (n, n_in) crisp inputs, finite, one inference a row.
+        y: (n_out,) scratch for the crisp outputs.
+        out: (n, n_rules) out: firing strengths.
+    """
+    for i in range(x.shape[0]):
+        evaluate(address, x[i], y)
+        out[i] = workspace_at(address).strength
