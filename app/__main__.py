@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import tyro
 
 from app.commands.check import check
+from app.commands.convert import convert
 from app.commands.doctor import doctor
 from app.commands.explain import explain
 from app.commands.failure import UsageError, describe
@@ -22,6 +23,7 @@ COMMANDS = {
     "check": check,
     "infer": infer,
     "explain": explain,
+    "convert": convert,
     "simulate": simulate,
     "paper": paper,
     "doctor": doctor,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal
 
 import msgspec
@@ -64,12 +64,16 @@ def check(system: FuzzySystem) -> list[Finding]:
 
 def locate(findings: Iterable[Finding], path: str | os.PathLike[str]) -> list[Finding]:
     """Return the findings with the line and column of their place in the file from which the system was read."""
-    places = formats.positions(path)
-    located: list[Finding] = []
+    return located(findings, formats.positions(path))
+
+
+def located(findings: Iterable[Finding], places: Mapping[str, tuple[int, int]]) -> list[Finding]:
+    """Return the findings with the line and column of their place, given those of all paths of a file."""
+    found: list[Finding] = []
     for finding in findings:
         line, column = nearest(places, finding.path)
-        located.append(replace(finding, line=line, column=column))
-    return located
+        found.append(replace(finding, line=line, column=column))
+    return found
 
 
 def gaps(variable: Variable) -> list[tuple[float, float]]:

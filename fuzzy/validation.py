@@ -220,7 +220,10 @@ def _check_peaks(output: Output, path: str) -> None:
 
 
 def _check_areas(output: Output, path: str, defuzzifier: str) -> None:
-    """Refuse sets without an area, but for an output that has none but singletons."""
+    """Refuse sets outside the range, and outputs of which no set has an area, but for one that has singletons only.
+
+    One point among wider sets is legal: it counts where a sample hits it, and nowhere else.
+    """
     if all(map(sets.is_singleton, output.terms)):
         if defuzzifier not in {"centroid", "center_of_sums"}:
             valid = "centroid, center_of_sums, height, weighted_average, weighted_sum"
@@ -232,13 +235,17 @@ def _check_areas(output: Output, path: str, defuzzifier: str) -> None:
                 message = f"{place:g} is outside the range [{output.low:g}, {output.high:g}]"
                 raise InvalidSystemError(message, f"{path}.terms.{term.name}")
         return
-    width = output.high - output.low
+    least = MIN_RELATIVE_WIDTH * (output.high - output.low)
+    has_area = any(
+        right - left >= least for left, right in (sets.support(term, output.low, output.high) for term in output.terms)
+    )
     for term in output.terms:
         if isinstance(term.shape, Linear):
             message = "a linear function is no set: valid defuzzifiers are weighted_average and weighted_sum"
             raise InvalidSystemError(message, f"{path}.terms.{term.name}")
         left, right = sets.support(term, output.low, output.high)
-        if right - left < MIN_RELATIVE_WIDTH * width:
+        is_point = left == right and has_area
+        if right - left < least and not is_point:
             message = f"the set has no area in [{output.low:g}, {output.high:g}], so it has no {defuzzifier} there"
             raise InvalidSystemError(message, f"{path}.terms.{term.name}")
 

@@ -23,7 +23,7 @@ def check(
     acts otherwise than it looks, a hint may well be meant. Exit code 1 when there are errors or warnings.
 
     Args:
-        files: The rule bases.
+        files: The rule bases, in any format; - reads standard input.
         json: Print the findings as JSON.
     """
     if not files:
@@ -43,13 +43,15 @@ def check(
 
 
 def _findings(file: Path) -> list[Finding]:
-    from fuzzy.check import Finding, locate
+    from app.commands.rulebases import read
+    from fuzzy.check import Finding, located
     from fuzzy.check import check as examine
     from fuzzy.errors import FormatError
-    from fuzzy.formats import load
 
     try:
-        return locate(examine(load(file)), file)
+        imported = read(file)
+        remarks = [Finding("hint", entry.message, line=entry.line, column=entry.column) for entry in imported.remarks]
+        return remarks + located(examine(imported.system), imported.places)
     except FormatError as error:
         message = f"{error.path}: {error.message}" if error.path else error.message
         return [Finding("error", message, error.path, line=error.line, column=error.column)]

@@ -27,11 +27,11 @@ def explain(
     """Show one inference step by step: degrees, rules that fire, outputs.
 
     Args:
-        file: The rule base.
+        file: The rule base, in any format; - reads standard input.
         values: A value for every input, such as e=0.2 de=-1.
         json: Print the steps as JSON; values that are not defined become null.
     """
-    from fuzzy.formats import load
+    from app.commands.rulebases import load
     from fuzzy.inference import compile_system
 
     system = load(file)

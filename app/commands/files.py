@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import io
 import math
 import os
 import secrets
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple, TextIO
@@ -15,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from app.commands.failure import CommandError, failure
+from app.commands.rulebases import STANDARD
 from fuzzy.errors import expected
 
 
@@ -37,12 +40,19 @@ def read_columns(path: Path, names: Sequence[str]) -> Columns:
         CommandError: With line and column of the first field that is missing, unknown or not a finite number.
     """
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
+        with _opened(path) as file:
             return _read(path, file, names)
     except UnicodeDecodeError as error:
         raise failure(f"byte 0x{error.object[error.start]:02x} is not UTF-8 text", path) from None
     except (OSError, ValueError) as error:
         raise failure(f"the file cannot be read: {_reason(error)}", path) from None
+
+
+def _opened(path: Path) -> contextlib.AbstractContextManager[TextIO]:
+    """Return the file, or standard input for `-`."""
+    if path == STANDARD:
+        return contextlib.nullcontext(io.TextIOWrapper(sys.stdin.buffer, encoding="utf-8-sig", newline=""))
+    return path.open(encoding="utf-8-sig", newline="")
 
 
 def _read(path: Path, file: TextIO, names: Sequence[str]) -> Columns:
@@ -106,10 +116,17 @@ def write_columns(path: Path, names: Sequence[str], values: ArrayLike) -> None:
     Raises:
         CommandError: The file cannot be written.
     """
+    if path == STANDARD:
+        _write(sys.stdout, names, values)
+        return
     with output(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(names)
-        writer.writerows(_digits(np.asarray(values, dtype=np.float64)))
+        _write(file, names, values)
+
+
+def _write(file: TextIO, names: Sequence[str], values: ArrayLike) -> None:
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows(_digits(np.asarray(values, dtype=np.float64)))
 
 
 def _digits(values: NDArray[np.float64]) -> Iterable[list[str]]:

@@ -25,9 +25,9 @@ def infer(
     one column for each output, with 17 digits, and nan where the output is undefined.
 
     Args:
-        file: The rule base.
-        inputs: CSV file with the inputs.
-        output: CSV file for the outputs; it is written whole or not at all.
+        file: The rule base, in any format; - reads standard input.
+        inputs: CSV file with the inputs; - reads standard input.
+        output: CSV file for the outputs, written whole or not at all; - writes standard output.
         resolution: Defuzzify in closed form (exact) or over N interval midpoints; by default as the rule base says.
     """
     import msgspec
@@ -35,9 +35,10 @@ def infer(
 
     from app.commands.failure import failure
     from app.commands.files import read_columns, write_columns
-    from fuzzy.formats import load
+    from app.commands.rulebases import load, refuse_two_from_standard_input
     from fuzzy.inference import compile_system
 
+    refuse_two_from_standard_input(file, inputs)
     system = load(file)
     if resolution is not None:
         operators = msgspec.structs.replace(system.inference, resolution=_resolution(resolution))

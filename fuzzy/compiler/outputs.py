@@ -172,11 +172,22 @@ def _samples(output: Output, resolution: object, knots: tuple[float, ...]) -> Nu
             place = low + np.arange(n) * (high - low) / (n - 1)
             weight[[0, -1]] = 0.5
         case "left":
-            place = low + np.arange(n) * ((high - low) / n)
+            place = np.cumsum([low, *np.full(n - 1, (high - low) / n)])
         case "left_with_break_points":
             bends = (point for term in output.terms for point in sets.break_points(term) if low <= point <= high)
-            place = np.unique([*(low + np.arange(n) * ((high - low) / n)), *knots[1:-1], *bends])
+            place = np.unique([*_left_ends_in_single_precision(low, high, n), *knots[1:-1], *bends])
             weight = np.ones(place.size)
         case _:
             assert_never(resolution.rule)
     return np.column_stack([place, weight]).astype(np.float64)
+
+
+def _left_ends_in_single_precision(low: float, high: float, n: int) -> Numbers:
+    """Return the left ends of n intervals as JFML adds them up: rounding moves them off the break points.
+
+    The sum may need one step more than n to reach the end.
+    """
+    step = (np.float32(high) - np.float32(low)) / np.float32(n)
+    steps = np.full(n + n // 8, step, dtype=np.float32)
+    places = np.cumsum(np.concatenate([[np.float32(low)], steps]), dtype=np.float32).astype(np.float64)
+    return places[places < high]

@@ -1,53 +1,130 @@
-"""Files in and out: the format follows from the suffix."""
+"""Files in and out: the workbench's YAML, MATLAB's .fis, fuzzylite's .fll, IEC 61131-7 .fcl, IEEE 1855 FML .xml."""
 
 from __future__ import annotations
 
-import contextlib
 import os
-import secrets
-from pathlib import Path
+from collections.abc import Mapping
+from pathlib import Path, PurePath
+from typing import assert_never
 
-from fuzzy.errors import FormatError, InvalidSystemError, expected
-from fuzzy.formats import yaml, yaml_writer
+from fuzzy.errors import FormatError, InvalidSystemError
+from fuzzy.formats import detection, source, writing, yaml
+from fuzzy.formats.assembly import Imported, Remark
+from fuzzy.formats.detection import Format, detect, format_of
+from fuzzy.formats.fcl import reader as fcl
+from fuzzy.formats.files import MAX_BYTES, bounded, read_bytes, write_bytes
+from fuzzy.formats.fis import reader as fis
+from fuzzy.formats.fll import reader as fll
+from fuzzy.formats.fml import reader as fml
+from fuzzy.formats.writing import Written
 from fuzzy.system import FuzzySystem
-from fuzzy.validation import validate
+
+__all__ = [
+    "MAX_BYTES",
+    "READABLE",
+    "SUFFIXES",
+    "Format",
+    "Imported",
+    "Remark",
+    "Written",
+    "detect",
+    "dumps",
+    "format_of",
+    "from_bytes",
+    "imported",
+    "load",
+    "loads",
+    "positions",
+    "save",
+    "write",
+]
 
 SUFFIXES = (".yaml", ".yml")
-"""Suffixes of the files that can be read and written."""
+"""Suffixes of the workbench's own files."""
 
-MAX_BYTES = 1 << 20
-"""Greatest size of a file: 1 MiB, some hundred times a usual rule base."""
+READABLE = tuple(detection.SUFFIXES)
+"""Suffixes of all files that can be read and written."""
 
 
 def load(path: str | os.PathLike[str]) -> FuzzySystem:
-    """Read a fuzzy system from a file.
+    """Read a fuzzy system from a file in any format.
 
     Args:
-        path: The file; its suffix names the format.
+        path: The file; its content tells the format, or else its suffix.
 
     Raises:
         FormatError: If the file cannot be read or is not valid, with the line and column of the first mistake.
     """
-    return loads(_text(path), str(path))
+    return imported(path).system
 
 
-def loads(text: str, source: str = "rulebase.yaml") -> FuzzySystem:
+def imported(path: str | os.PathLike[str]) -> Imported:
+    """Read a fuzzy system, with what was left out or taken otherwise on the way.
+
+    Raises:
+        FormatError: As :func:`load`.
+    """
+    return from_bytes(read_bytes(path), str(path))
+
+
+def from_bytes(content: bytes, name: str) -> Imported:
+    """Read the content of a file, such as of an upload or of standard input.
+
+    Args:
+        content: The bytes.
+        name: Name for errors; its suffix counts where the content does not tell the format.
+
+    Raises:
+        FormatError: As :func:`load`.
+    """
+    bounded(content, name)
+    is_yaml = PurePath(name).suffix.lower() in SUFFIXES
+    if is_yaml and detect(content.decode("latin-1"), name) == "yaml":
+        return _read(_utf8(content, name), name, "yaml")
+    text = source.decode(content, name)
+    return _read(text, name, detect(text, name))
+
+
+def loads(text: str, name: str = "rulebase.yaml") -> FuzzySystem:
     """Read a fuzzy system from a text.
 
     Args:
         text: The content of a file.
-        source: Name for errors; its suffix names the format.
+        name: Name for errors; its suffix counts where the content does not tell the format.
 
     Raises:
         FormatError: If the text is not valid, with the line and column of the first mistake.
     """
-    _check_suffix(source)
-    return yaml.read(_bounded(text, source), source)
+    if len(text) > MAX_BYTES:
+        raise FormatError(f"the file is larger than {MAX_BYTES} bytes", name)
+    text = text.removeprefix("\ufeff")
+    return _read(text, name, detect(text, name)).system
 
 
-def positions(path: str | os.PathLike[str]) -> dict[str, tuple[int, int]]:
-    """Return line and column, counted from 1, of every path of a file, such as ``inputs.e.terms.NB``."""
-    return yaml.positions(_text(path), str(path))
+def positions(path: str | os.PathLike[str]) -> Mapping[str, tuple[int, int]]:
+    """Return line and column, counted from 1, of the paths of a file, such as ``inputs.e.terms.NB``."""
+    return imported(path).places
+
+
+def write(system: FuzzySystem, kind: Format, *, lossy: bool = False) -> Written:
+    """Return a system as the text of a file, which can be read again.
+
+    Args:
+        system: A valid system.
+        kind: The format.
+        lossy: Whether something else may be written for what the format cannot say.
+
+    Raises:
+        InvalidSystemError: If the system is not valid, too large to be read again, or the format cannot say it.
+    """
+    written = writing.write(system, kind, lossy=lossy)
+    if kind != "yaml":
+        try:
+            _read(written.text, f"written.{kind}", kind)
+        except FormatError as error:
+            message = f"{detection.TITLES[kind]} cannot say this: written, it would be refused ({error.message})"
+            raise InvalidSystemError(message, error.path) from None
+    return written
 
 
 def dumps(system: FuzzySystem) -> str:
@@ -56,79 +133,46 @@ def dumps(system: FuzzySystem) -> str:
     Raises:
         InvalidSystemError: If the system is not valid, or so large that the file could not be read again.
     """
-    text = yaml_writer.write(validate(system))
-    size = len(text.encode())
-    if size > MAX_BYTES:
-        raise InvalidSystemError(f"the system takes {size} bytes as a file: at most {MAX_BYTES} are read again")
-    return text
+    return write(system, "yaml").text
 
 
 def save(system: FuzzySystem, path: str | os.PathLike[str]) -> None:
     """Write a system to a file, whole or not at all.
 
-    The file is written anew: comments that it held outside ``notes`` are lost.
+    A YAML file is written anew: comments that it held outside ``notes`` are lost.
 
     Args:
         system: A valid system.
         path: The file; its suffix names the format. Its folder must exist.
 
     Raises:
-        InvalidSystemError: If the system is not valid; the file stays as it was.
+        InvalidSystemError: If the system is not valid, or the format cannot say it; the file stays as it was.
         FormatError: If the suffix is unknown or the file cannot be written.
     """
-    _check_suffix(path)
-    content = dumps(system).encode()
-    try:
-        _write_atomically(Path(path).resolve(), content)
-    except OSError as error:
-        raise FormatError(f"the file cannot be written: {error.strerror or error}", str(path)) from error
+    kind = format_of(str(path))
+    write_bytes(Path(path), write(system, kind).text.encode())
 
 
-def _check_suffix(path: str | os.PathLike[str]) -> None:
-    suffix = Path(path).suffix
-    if suffix.lower() not in SUFFIXES:
-        raise FormatError(f"unknown suffix {expected(suffix, SUFFIXES)}", str(path))
+def _read(text: str, name: str, kind: Format) -> Imported:
+    match kind:
+        case "yaml":
+            return Imported(yaml.read(text, name), (), yaml.positions(text, name))
+        case "fis":
+            return fis.read(text, name)
+        case "fll":
+            return fll.read(text, name)
+        case "fcl":
+            return fcl.read(text, name)
+        case "fml":
+            return fml.read(text, name)
+        case _:
+            assert_never(kind)
 
 
-def _text(path: str | os.PathLike[str]) -> str:
-    _check_suffix(path)
-    source = str(path)
-    try:
-        with Path(path).open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except IsADirectoryError:
-        raise FormatError("this is a folder, not a file", source) from None
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else None
-        raise FormatError(f"the file cannot be read: {reason or error}", source) from error
-    if len(content) > MAX_BYTES:
-        raise FormatError(f"the file is larger than {MAX_BYTES} bytes", source)
+def _utf8(content: bytes, name: str) -> str:
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = content[: error.start]
         line, column = before.count(b"\n") + 1, error.start - before.rfind(b"\n")
-        raise FormatError(f"byte 0x{content[error.start]:02x} is not UTF-8 text", source, line, column) from None
-
-
-def _bounded(text: str, source: str) -> str:
-    if len(text) > MAX_BYTES:
-        raise FormatError(f"the file is larger than {MAX_BYTES} bytes", source)
-    return text.removeprefix("\ufeff")
-
-
-def _write_atomically(path: Path, content: bytes) -> None:
-    """Write beside ``path`` and then rename, so that a crash leaves the old file or the new one."""
-    temporary = path.with_name(f".{secrets.token_hex(8)}.part")
-    try:
-        with temporary.open("xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        with contextlib.suppress(FileNotFoundError):
-            temporary.chmod(path.stat().st_mode & 0o777)
-        temporary.replace(path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
-        raise
+        raise FormatError(f"byte 0x{content[error.start]:02x} is not UTF-8 text", name, line, column) from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import typing
+from collections.abc import Mapping
 from typing import Any
 
 import msgspec
@@ -77,7 +78,7 @@ def positions(text: str, source: str) -> dict[str, tuple[int, int]]:
     return yaml_tree.positions(yaml_tree.parse(text, source))
 
 
-def nearest(places: dict[str, tuple[int, int]], path: str) -> tuple[int, int]:
+def nearest(places: Mapping[str, tuple[int, int]], path: str) -> tuple[int, int]:
     """Return the position of ``path``, or of the innermost part of it that stands in the file."""
     while path not in places and path:
         path = path[: max(path.rfind("."), path.rfind("["), 0)]

@@ -67,7 +67,7 @@ def test_help_is_quick_because_it_loads_no_kernels() -> None:
 def test_an_unknown_command_is_wrong_use(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, "chek", "x")
     assert code == 2
-    assert "serve, check, infer, explain, simulate" in out + err
+    assert "serve, check, infer, explain, convert, simulate" in out + err
 
 
 def test_infer_computes_every_row(capsys: pytest.CaptureFixture[str], table: Path) -> None:

@@ -322,8 +322,9 @@ def test_what_is_no_file_is_refused(tmp_path):
         load(tmp_path / "missing.yaml")
     with pytest.raises(FormatError, match="cannot be read"):
         load("nul\0.yaml")
-    for path in ("system.fis", "system", "system.yaml.txt"):
-        with pytest.raises(FormatError, match=r"unknown suffix .*valid: \.yaml, \.yml"):
+    for path in ("system", "system.yaml.txt"):
+        (tmp_path / path).write_text("no rule base", encoding="utf-8")
+        with pytest.raises(FormatError, match=r"the content is none of"):
             load(tmp_path / path)
         with pytest.raises(FormatError, match=r"unknown suffix .*valid: \.yaml, \.yml"):
             save(loads(SMALL), tmp_path / path)

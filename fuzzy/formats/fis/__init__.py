@@ -1,0 +1,1 @@
+"""MATLAB's and Octave's .fis, and what fuzzylite writes under this suffix."""

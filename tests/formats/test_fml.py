@@ -1,0 +1,128 @@
+"""IEEE 1855 FML: the traps of the format, and hostile XML."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+
+from fuzzy import formats
+from fuzzy.errors import FormatError
+from fuzzy.shapes import Gaussian2, PiShape, Points, Ramp
+from fuzzy.system import FuzzySystem, Hedged, Is, NoFire, Not, Or, Rule, Sampling
+
+TEXT = """<?xml version="1.0" encoding="ISO-8859-1"?>
+<!-- a comment -->
+<fuzzySystem xmlns="http://www.ieee1855.org" name="heater">
+  <knowledgeBase>
+    <fuzzyVariable name="temp" domainleft="-10" domainright="10" scale="degrees">
+      <fuzzyTerm name="very cold or  cold"><leftGaussianShape param1="-5" param2="2"/></fuzzyTerm>
+      <fuzzyTerm name="hot" complement="True"><leftLinearShape param1="0" param2="5"/></fuzzyTerm>
+      <fuzzyTerm name="fine"><piShape param1="-2" param2="0"/></fuzzyTerm>
+    </fuzzyVariable>
+    <fuzzyVariable name="power" domainleft="0" domainright="100" type="output" defaultValue="7">
+      <fuzzyTerm name="low"><triangularShape param1="0" param2="20" param3="40"/></fuzzyTerm>
+      <fuzzyTerm name="high">
+        <pointSetShape><point x="90" y="1"/><point x="50" y="0"/></pointSetShape>
+      </fuzzyTerm>
+    </fuzzyVariable>
+  </knowledgeBase>
+  <mamdaniRuleBase name="r" orMethod="PROBOR">
+    <rule name="1" connector="OR">
+      <antecedent>
+        <clause modifier="very"><variable>temp</variable><term> very cold or cold </term></clause>
+        <clause modifier="not"><variable>temp</variable><term>hot</term></clause>
+      </antecedent>
+      <consequent>
+        <then><clause><variable>power</variable><term>high</term></clause></then>
+        <else><clause modifier="not"><variable>power</variable><term>high</term></clause></else>
+      </consequent>
+    </rule>
+  </mamdaniRuleBase>
+</fuzzySystem>
+"""
+CLAUSE = "<clause><variable>power</variable><term>high</term></clause>"
+
+
+def read(text: str) -> FuzzySystem:
+    return formats.loads(text, "x.xml")
+
+
+def test_the_whole_file() -> None:
+    system = read(TEXT)
+    cold, hot, fine = system.inputs[0].terms
+    assert (cold.name, cold.shape) == ("very cold or cold", Gaussian2(-math.inf, 2, -5, 2))
+    assert (hot.shape, hot.complement) == (Ramp(5, 0), True)
+    assert fine.shape == PiShape(-2, 0, 0, 2)
+    assert system.inputs[0].unit == "degrees"
+    (output,) = system.outputs
+    assert output.no_fire == NoFire("default", 7)
+    assert [term.name for term in output.terms] == ["low", "high", "not high"]
+    assert output.terms[1].shape == Points(((50, 0), (90, 1)))
+    assert system.inference.disjunction == "algebraic_sum"
+    assert system.inference.resolution == Sampling(2000, "left_with_break_points")
+    antecedent = Or((Hedged(Is("temp", "very cold or cold"), "very"), Not(Is("temp", "hot"))))
+    assert system.rules.list == (
+        Rule(antecedent, (Is("power", "high"),)),
+        Rule(Not(antecedent), (Is("power", "not high"),)),
+    )
+
+
+def test_other_interpolations_are_taken_as_lines_with_a_remark() -> None:
+    text = TEXT.replace("<pointSetShape>", '<pointSetShape interpolationMethod="spline">')
+    imported = formats.from_bytes(text.encode(), "x.xml")
+    assert imported.system == read(TEXT)
+    assert "not by 'spline'" in imported.remarks[0].message
+
+
+BOMB = '<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;"><!ENTITY c "&b;&b;&b;&b;">]>\n'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message", "line"),
+    [
+        ("<!-- a comment -->\n", BOMB, "a document type", 2),
+        ("<!-- a comment -->\n", '<!DOCTYPE x SYSTEM "file:///etc/passwd">\n', "a document type", 2),
+        ("</fuzzySystem>", "", "this is not XML: no element found", 30),
+        ("hot</term>", "&hot;</term>", "this is not XML: undefined entity", 21),
+        ("<mamdaniRuleBase", "<tskRuleBase><x/></tskRuleBase><mamdaniRuleBase", "a <tskRuleBase> cannot be read", 17),
+        ("<leftLinearShape", "<customShape", "a <customShape> cannot be read", 7),
+        ("<leftLinearShape", "<leftShape", "unknown shape 'leftShape'; did you mean 'leftLinearShape'", 7),
+        ('param1="0" param2="5"', 'param1="0"', "<leftLinearShape> has no attribute 'param2'", 7),
+        ('param1="0" param2="5"', 'param1="0" param2="five"', "is 'five', expected a number", 7),
+        ('domainleft="-10"', "", "no attribute 'domainleft'", 5),
+        ('name="power"', 'name="temp"', "the variable 'temp' stands twice", 10),
+        ('name="high"', 'name="low"', "the term 'low' stands twice", 12),
+        ('type="output"', 'type="both"', "unknown word 'both'", 10),
+        ('type="output"', 'type="output" accumulation="NSUM"', "unknown word 'NSUM'", 10),
+        ('type="output"', 'type="output" defuzzifier="custom_x"', "unknown word 'custom_x'", 10),
+        ("<variable>temp</variable><term>hot", "<variable>tmp</variable><term>hot", "unknown input 'tmp'", 21),
+        ("<term>hot", "<term>cool", "unknown term of 'temp': 'cool'", 21),
+        ('modifier="very"', 'modifier="slightly"', "'slightly' has no word", 20),
+        ('modifier="very"', 'modifier="veri"', "unknown modifier 'veri'", 20),
+        ('connector="OR"', 'connector="XOR"', "unknown word 'XOR'", 18),
+        ('connector="OR"', 'connector="OR" weight="2"', "weight 2", 18),
+        ('connector="OR"', 'connector="OR" weight="0.5"', "<else> in a rule with a weight", 25),
+        ('defaultValue="7"', 'defaultValue="700"', "default 700 is outside the range", 10),
+        ("fuzzySystem", "fuzzySet", "expected <fuzzySystem>, found <fuzzySet>", 3),
+    ],
+)
+def test_mistakes_are_named_where_they_stand(old: str, new: str, message: str, line: int) -> None:
+    assert old in TEXT
+    with pytest.raises(FormatError) as caught:
+        read(TEXT.replace(old, new) if old == "fuzzySystem" else TEXT.replace(old, new, 1))
+    assert re.search(message, caught.value.message), caught.value.message
+    assert caught.value.line == line, str(caught.value)
+
+
+def test_deep_nesting_is_refused() -> None:
+    with pytest.raises(FormatError, match="nested more than 16 deep"):
+        read("<fuzzySystem>" * 10_000)
+
+
+def test_rules_with_other_norms_are_refused_by_name() -> None:
+    rule = TEXT[TEXT.index("    <rule") : TEXT.index("  </mamdani")]
+    other = rule.replace('connector="OR"', 'connector="OR" orMethod="BSUM"').replace('name="1"', 'name="2"')
+    with pytest.raises(FormatError, match="the orMethod of the rule '2' is bounded_sum, that of the rule '1' is"):
+        read(TEXT.replace(rule, rule + other))
