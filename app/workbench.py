@@ -32,6 +32,8 @@ FRAME_RATE = 30.0
 """Frames of the live view a second."""
 
 _PANEL_WIDTH = 380
+_BREATH_SECONDS = 0.005
+"""What the stream leaves to everything else between two frames, however late it is."""
 _RECOVERY_SECONDS = 5.0
 """How long the stream waits after an error before it tries again."""
 
@@ -159,9 +161,11 @@ class Workbench:
 
     async def _stream_frames(self) -> None:
         """Show the latest frame at ``FRAME_RATE`` while anybody looks; one that stands still is shown once."""
-        last, shown = time.perf_counter(), None
+        last = due = time.perf_counter()
+        shown = None
         while True:
-            await asyncio.sleep(1.0 / FRAME_RATE)
+            due = max(due + 1.0 / FRAME_RATE, time.perf_counter() + _BREATH_SECONDS)  # what is late is not caught up
+            await asyncio.sleep(due - time.perf_counter())
             now = time.perf_counter()
             try:
                 frame = self._runner.frame(self.store.state, now - last)
