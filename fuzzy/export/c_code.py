@@ -174,7 +174,7 @@ def _exact(system: FuzzySystem) -> tuple[c_table.Body, tuple[float, ...]]:
         for number, output in enumerate(system.outputs)
         if f"level_{number}" in code.statements
     )
-    scalars = [word for word in ("area", "moment", "value", "level") if re.search(rf"\b{word}\b", code.statements)]
+    scalars = [word for word in ("area", "moment", "value", "strongest") if re.search(rf"\b{word}\b", code.statements)]
     variables = degrees + f"    REAL w[{max(len(rules), 1)}];\n{levels}"
     if scalars:
         variables += f"    REAL {', '.join(scalars)};\n"

@@ -168,9 +168,11 @@ def _weighted(system: FuzzySystem) -> Code:
             for term in range(len(output.terms)):
                 rules = [rule for rule, other in found if other == term]
                 if rules:
-                    statements += "    level = C(0.0);\n"
-                    statements += "".join(f"    level = w[{rule}] > level ? w[{rule}] : level;\n" for rule in rules)
-                    statements += f"    area += level;\n    moment += level * {values[term]};\n"
+                    statements += "    strongest = C(0.0);\n"
+                    statements += "".join(
+                        f"    strongest = w[{rule}] > strongest ? w[{rule}] : strongest;\n" for rule in rules
+                    )
+                    statements += f"    area += strongest;\n    moment += strongest * {values[term]};\n"
         else:
             statements += "".join(
                 f"    area += w[{rule}];\n    moment += w[{rule}] * {values[term]};\n" for rule, term in found
