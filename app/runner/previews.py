@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import logging
+import math
 import queue
 import threading
+import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +21,7 @@ from app.runner.live import PATIENCE, LiveSimulation
 from app.state import Advised, Event, Notice, Noticed, Result, RunFinished, Setup, SurfaceFound
 from fuzzy import analysis
 from fuzzy.errors import FuzzyError
+from fuzzy.inference import Controller
 from fuzzy.system import FuzzySystem
 from robot.arm import Arm
 from robot.errors import InvalidControllerError, RobotError
@@ -29,6 +33,11 @@ PICTURE_ROWS = 600
 
 SURFACE_POINTS = (41, 41)
 """Of the control surface, along each input."""
+
+_PAUSE = 0.15
+"""Wall time without a request after which the hand has paused, s."""
+_SURFACE_PERIOD = 0.25
+"""Least wall time between two control surfaces while a hand drags, s."""
 
 Post = Callable[[Event], None]
 
@@ -43,7 +52,9 @@ class Previews:
         self._live = live
         self._warm_up = warm_up
         self._wanted: queue.SimpleQueue[tuple[FuzzySystem, Setup] | None] = queue.SimpleQueue()
-        self._surface: FuzzySystem | None = None
+        self._controller: Controller | None = None
+        self._drawn: FuzzySystem | None = None
+        self._drawn_at = -math.inf
         self._pid: tuple[tuple[Arm, Scenario], Result] | None = None
         self._thread = threading.Thread(target=self._run, name="previews", daemon=True)
         self._thread.start()
@@ -62,42 +73,38 @@ class Previews:
             self._warm_up(self._post)
         except Exception as error:  # what was not compiled now is compiled when it is called
             self._report("The kernels could not be made ready", error)
+        finished: RunFinished | None = None
         while True:
-            wanted = self._wanted.get()
+            try:
+                wanted = self._wanted.get(timeout=None if finished is None else _PAUSE)
+            except queue.Empty:
+                assert finished is not None
+                self._try(partial(self._elaborate, finished))
+                finished = None
+                continue
             while not self._wanted.empty():
                 wanted = self._wanted.get()
             if wanted is None:
                 return
-            try:
-                finished = self._preview(*wanted)
-                self._post(finished)
-                self._find_surface(finished.document)
-                advice = advise(finished.setup, finished.result, lambda: not self._wanted.empty())
-                if advice is not None:
-                    self._post(Advised(finished.result, advice))
-            except (FuzzyError, RobotError) as error:
-                # The last good controller goes on.
-                self._post(Noticed(Notice(f"Cannot run this: {error}.", is_error=True)))
-            except Exception as error:
-                self._report("Cannot run this", error)
+            finished = self._try(partial(self._preview, *wanted))
+
+    def _try(self, work: Callable[[], RunFinished | None]) -> RunFinished | None:
+        """Return the result of some work; a failure is said, and the thread and the last good controller go on."""
+        try:
+            return work()
+        except (FuzzyError, RobotError) as error:
+            self._post(Noticed(Notice(f"Cannot run this: {error}.", is_error=True)))
+        except Exception as error:
+            self._report("Cannot run this", error)
+        return None
 
     def _report(self, what: str, error: Exception) -> None:
         """Say that the program made a mistake; the thread goes on, and so does what runs already."""
         _log.exception("%s", what)
         self._post(Noticed(Notice(f"{what}, an error of the program: {error!r}.", is_error=True)))
 
-    def _find_surface(self, document: FuzzySystem) -> None:
-        """Post the control surface of a document that has another one than the last, unless something newer waits."""
-        if document is self._surface or not self._wanted.empty():
-            return
-        surface = None
-        if len(document.inputs) == 2:
-            row, column = (variable.name for variable in document.inputs)
-            surface = analysis.surface(fuzzy.compile_system(document), column, row, SURFACE_POINTS)
-        self._surface = document
-        self._post(SurfaceFound(document, surface))
-
     def _preview(self, document: FuzzySystem, setup: Setup) -> RunFinished:
+        """Simulate the scenario and post the result; the control surface too, if the last one is not too fresh."""
         controller = fuzzy.compile_system(document)
         wanted = experiment.prepare(setup, controller)
         result = result_of(wanted)
@@ -105,7 +112,32 @@ class Previews:
         conditions = (wanted.arm, wanted.scenario)
         if self._pid is None or self._pid[0] != conditions:
             self._pid = (conditions, result_of(experiment.prepare(setup, controller, law="pid")))
-        return RunFinished(document, setup, result, self._pid[1], tuple(fuzzy.check(document)))
+        finished = RunFinished(document, setup, result, self._pid[1], tuple(fuzzy.check(document)))
+        self._post(finished)
+        self._controller = controller
+        if time.monotonic() - self._drawn_at > _SURFACE_PERIOD and self._wanted.empty():
+            self._find_surface(controller)
+        return finished
+
+    def _elaborate(self, finished: RunFinished) -> None:
+        """Do what has time until the hand pauses: the surface of the last edit, and the advice."""
+        if self._controller is not None:
+            self._find_surface(self._controller)
+        advice = advise(finished.setup, finished.result, lambda: not self._wanted.empty())
+        if advice is not None:
+            self._post(Advised(finished.result, advice))
+
+    def _find_surface(self, controller: Controller) -> None:
+        """Post the control surface of a document that has another one than the last."""
+        document = controller.system
+        if document == self._drawn:
+            return
+        surface = None
+        if len(document.inputs) == 2:
+            row, column = (variable.name for variable in document.inputs)
+            surface = analysis.surface(controller, column, row, SURFACE_POINTS)
+        self._drawn, self._drawn_at = document, time.monotonic()
+        self._post(SurfaceFound(document, surface))
 
 
 def result_of(wanted: Experiment) -> Result:

@@ -17,6 +17,7 @@ from app import experiment
 from app.experiment import Experiment
 from app.runner import TICKS_PER_SECOND, LiveSimulation, Moment, Previews, Runner, sample_at
 from app.state import (
+    Advised,
     AppState,
     Event,
     Noticed,
@@ -26,6 +27,7 @@ from app.state import (
     Selected,
     Setup,
     SetupChanged,
+    SurfaceFound,
     initial,
     update,
 )
@@ -447,3 +449,27 @@ def test_a_document_without_rules_runs(runner: Runner, posts: Posts) -> None:
     frame = runner.frame(state, 0.0)
     assert frame.strength is not None
     assert frame.strength.shape == (0,)
+
+
+def test_the_surface_comes_at_once_and_the_advice_when_the_hand_pauses(live: LiveSimulation, posts: Posts) -> None:
+    previews = Previews(posts, live, lambda _: None)
+    spoilt = edits.set_cell(DIAGONAL, row="Z", column="Z", consequent="LR")
+    for document in (DIAGONAL, PILTAN, spoilt):
+        previews.request(document, Setup())
+    told = wait_for(lambda: next((event for event in posts.events if isinstance(event, Advised)), None), "advice")
+    previews.stop()
+    assert told.result is posts.run_of(spoilt).result
+    assert told.advice
+    surfaces = [event for event in posts.events if isinstance(event, SurfaceFound)]
+    assert surfaces[-1].document == spoilt
+    assert surfaces[-1].surface is not None
+    middle = surfaces[-1].surface.value[20, 20]
+    assert middle == fuzzy.compile_system(spoilt)(0.0, 0.0)
+
+
+def test_a_system_that_is_no_surface_has_none(live: LiveSimulation, posts: Posts) -> None:
+    previews = Previews(posts, live, lambda _: None)
+    previews.request(three_inputs(), Setup(controller="pid"))
+    found = wait_for(lambda: next((one for one in posts.events if isinstance(one, SurfaceFound)), None), "no surface")
+    previews.stop()
+    assert found.surface is None
