@@ -107,7 +107,7 @@ class SurfaceView:
     def _name(self, surface: Surface) -> None:
         for label in self._labels:
             label.remove()
-        names = {"columns": (surface.x_name, (1.08, 0.5)), "rows": (surface.y_name, (0.5, 1.07))}
+        names = {"columns": (surface.x_name, (1.08, 0.5)), "rows": (surface.y_name, (0.92, 1.06))}
         self._labels = []
         for side, (text, place) in names.items():
             x, y = shares_to_floor(np.array(place), SURFACE)

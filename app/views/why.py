@@ -90,7 +90,7 @@ def _sentence(frame: Frame, controller: Controller, found: Contributions, name: 
         return f"<div>{where} No rule fires: {escape(found.output)} = {number(found.value)} is the default.</div>"
     first = found.rules[0]
     reason = "weaker rules together" if first.rule is None else escape(_short(first.rule.antecedent))
-    does = "rests" if abs(found.value) < 1e-9 else ("raises it" if found.value > 0 else "lowers it")
+    does = "adds nothing" if abs(found.value) < 1e-9 else ("raises it" if found.value > 0 else "lowers it")
     what = f"<b>{escape(found.output)} = {number(found.value)}</b> {does}"
     return f"<div>{where} {what}, mostly because {reason} ({_signed(first.moved)}).</div>"
 

@@ -1,0 +1,89 @@
+"""What a hand does in the panels, and what to wait for."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import Page, expect
+
+ANSWER_MS = 20_000
+"""How long a busy machine may take for what takes a tenth of a second."""
+
+Metrics = dict[str, str]
+
+
+def choose_tab(page: Page, name: str) -> None:
+    tab = page.get_by_role("tab", name=name, exact=True)
+    tab.click()
+    expect(tab).to_have_attribute("aria-selected", "true")
+
+
+def column(page: Page, which: str) -> Metrics:
+    """Return what a column of the metrics' table shows: now, before or PID."""
+    script = """which => Object.fromEntries(
+        [...document.querySelectorAll(`td[id$="-${which}"]`)].map(cell => [cell.id.split("-")[0], cell.textContent]))"""
+    found = page.evaluate(script, which)
+    assert found, "no metrics in the page"
+    return found
+
+
+def changed(page: Page, before: Metrics) -> Metrics:
+    """Wait until other metrics are shown, and return them."""
+    return until(lambda: column(page, "now"), lambda now: now != before, "other metrics")
+
+
+def restored(page: Page, expected: Metrics) -> None:
+    """Wait until the metrics are ``expected`` again."""
+    until(lambda: column(page, "now"), lambda now: now == expected, f"the metrics {expected}")
+
+
+def until(look: Callable[[], Metrics], holds: Callable[[Metrics], bool], what: str) -> Metrics:
+    deadline = time.monotonic() + ANSWER_MS / 1000
+    while True:
+        found = look()
+        if holds(found):
+            return found
+        if time.monotonic() > deadline:
+            pytest.fail(f"waited for {what}, found {found}")
+        time.sleep(0.03)
+
+
+def simulated_time(page: Page) -> float:
+    """Return the time that the Run panel shows."""
+    text = page.get_by_text(re.compile(r"t = \d+\.\d+ s")).first.inner_text()
+    found = re.search(r"t = (\d+\.\d+) s", text)
+    assert found, text
+    return float(found[1])
+
+
+def wait_for_motion(page: Page) -> None:
+    start = simulated_time(page)
+    until(lambda: {"t": f"{simulated_time(page)}"}, lambda t: float(t["t"]) != start, "the arm to move")
+
+
+def put_arm_at(page: Page, seconds: str) -> None:
+    """Show the run at a time, standing still."""
+    field = page.get_by_role("textbox").and_(page.locator("input[inputmode=decimal]"))
+    beside = page.get_by_role("slider").locator("xpath=ancestor::div[.//input[@inputmode='decimal']][1]").locator(field)
+    beside.first.fill(seconds)
+    beside.first.press("Enter")
+    until(lambda: {"t": f"{simulated_time(page):g}"}, lambda t: t["t"] == f"{float(seconds):g}", f"t = {seconds} s")
+    beside.first.evaluate("field => field.blur()")
+
+
+def play_live(page: Page) -> None:
+    choose(page, "source", "live simulation")
+    start = simulated_time(page)
+    page.get_by_role("button", name="play / pause").click()
+    until(lambda: {"t": f"{simulated_time(page)}"}, lambda t: float(t["t"]) != start, "the arm to move")
+
+
+def choose(page: Page, label: str, option: str) -> None:
+    """Choose an option of a dropdown."""
+    field = page.get_by_role("combobox", name=label, exact=True)
+    field.click()
+    page.get_by_role("option", name=option, exact=True).locator("visible=true").click()
+    expect(field).to_have_value(option)

@@ -1,0 +1,191 @@
+"""The panels on the right and the scene in a real Chromium: baselines, why, files, tiles, a pull, several browsers."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, expect
+
+from tests.e2e.harness import (
+    HIDE_SOFTWARE_RENDERER,
+    LOAD_TIMEOUT_MS,
+    ROOT,
+    Workbench,
+    running_workbench,
+    settle,
+    wait_until_ready,
+)
+from tests.e2e.panels import ANSWER_MS, choose, choose_tab, column, put_arm_at, restored, simulated_time, until
+
+
+@pytest.fixture(scope="module")
+def workbench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workbench]:
+    folder = Path(shutil.copytree(ROOT / "rulebases", tmp_path_factory.mktemp("run") / "rulebases"))
+    with running_workbench(folder) as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def context(browser: Browser) -> Iterator[BrowserContext]:
+    opened = browser.new_context(viewport={"width": 1600, "height": 900}, accept_downloads=True)
+    opened.add_init_script(HIDE_SOFTWARE_RENDERER)
+    opened.set_default_timeout(ANSWER_MS)
+    yield opened
+    opened.close()
+
+
+@pytest.fixture(scope="module")
+def page(workbench: Workbench, context: BrowserContext) -> Page:
+    opened = look_at(context, workbench.url)
+    choose_tab(opened, "Metrics")
+    expect(opened.locator("#overshoot-now")).to_have_count(1, timeout=2 * LOAD_TIMEOUT_MS)
+    return opened
+
+
+@pytest.fixture(autouse=True)
+def nothing_went_wrong(workbench: Workbench, page: Page) -> Iterator[None]:
+    yield
+    assert page.url
+    printed = workbench.log.read_text(errors="replace")
+    assert "Traceback" not in printed
+    assert "left out" not in printed
+
+
+def look_at(context: BrowserContext, url: str) -> Page:
+    page = context.new_page()
+    page.goto(url, wait_until="domcontentloaded", timeout=LOAD_TIMEOUT_MS)
+    wait_until_ready(page)
+    return page
+
+
+def fold(page: Page, title: str) -> None:
+    """Open or close a folder of the panel Run."""
+    page.get_by_text(title, exact=True).first.click()
+
+
+def press(page: Page, name: str) -> None:
+    page.get_by_role("button", name=name, exact=True).locator("visible=true").first.click()
+
+
+def canvas_middle(page: Page) -> tuple[float, float]:
+    """Return the middle of what the panels leave of the scene, where a camera looks."""
+    box = page.locator("canvas").first.bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_a_spoilt_cell_is_named_and_cured_by_a_press(page: Page, shot: Callable[[str], Path]) -> None:
+    choose_tab(page, "Rules")
+    first = column(page, "now")
+    page.locator("#brush6").click()
+    page.locator("#cell3-3").click()
+    expect(page.locator("#cell3-3")).to_have_text("LR")
+    choose_tab(page, "Why")
+    expect(page.get_by_text("overshoots by 3.6 %")).to_be_visible()
+    expect(page.get_by_text(re.compile("Look at"))).to_contain_text("e is Z and de is Z → LR")
+    expect(page.get_by_text("Tried: with Z")).to_be_visible()
+    put_arm_at(page, "0.16")
+    expect(page.get_by_text(re.compile("At t = 0.16 s s1 has"))).to_be_visible()
+    shot("why")
+    press(page, "Try it")
+    expect(page.locator("#cell3-3")).to_have_text("Z")
+    expect(page.get_by_text("s1 does not overshoot.")).to_be_visible()
+    choose_tab(page, "Metrics")
+    restored(page, first)
+    choose(page, "source", "live simulation")
+    press(page, "play / pause")
+
+
+def test_a_baseline_stays_beside_the_run_in_table_and_charts(page: Page, shot: Callable[[str], Path]) -> None:
+    choose_tab(page, "Metrics")
+    kept = column(page, "now")
+    fold(page, "Baselines")
+    press(page, "Keep as baseline")
+    expect(page.locator("#overshoot-kept1")).to_have_count(1)
+    choose(page, "controller", "pid · independent PID")
+    now = until(lambda: column(page, "now"), lambda now: now == column(page, "PID"), "PID's own metrics")
+    assert column(page, "kept1") == kept != now
+    choose_tab(page, "Plots")
+    for name in ("error", "forces", "V"):
+        press(page, name)
+    expect(page.get_by_text("Lyapunov function V of the law")).to_be_visible()
+    expect(page.get_by_text("┄ diagonal fuzzy_flc").first).to_be_visible()
+    shot("baselines")
+    for name in ("● error", "● forces", "● V"):
+        press(page, name)
+    choose(page, "controller", "fuzzy_flc · linearization + rules")
+    choose_tab(page, "Metrics")
+    restored(page, kept)
+    press(page, "1")
+    expect(page.get_by_text("rules of baseline").or_(page.get_by_text("Ctrl+Z")).first).to_be_visible()
+    page.get_by_role("button", name="1", exact=True).locator("visible=true").last.click()
+    expect(page.locator("#overshoot-kept1")).to_have_count(0)
+    fold(page, "Baselines")
+
+
+def test_steps_go_to_and_fro_by_ten_milliseconds(page: Page) -> None:
+    put_arm_at(page, "0.5")
+    for name, expected in [("▸", 0.51), ("▸", 0.52), ("◂", 0.51)]:
+        press(page, name)
+        until(lambda: {"t": f"{simulated_time(page):g}"}, lambda t, e=expected: t["t"] == f"{e:g}", f"t = {expected}")
+    choose(page, "source", "live simulation")
+    press(page, "play / pause")
+
+
+def test_a_click_on_a_tile_of_the_board_paints_it(page: Page, shot: Callable[[str], Path]) -> None:
+    choose_tab(page, "Rules")
+    page.locator("#brush0").click()
+    fold(page, "View")
+    press(page, "board")
+    settle(page, 10)
+    shot("board")
+    # The camera looks at the middle of the board.
+    page.mouse.click(*canvas_middle(page))
+    expect(page.locator("#cell3-3")).to_have_text("LL")
+    page.keyboard.press("Control+z")
+    expect(page.locator("#cell3-3")).to_have_text("Z")
+    press(page, "all")
+    fold(page, "View")
+
+
+def test_a_run_is_downloaded_as_csv_and_as_a_page_that_plays(page: Page, tmp_path: Path) -> None:
+    fold(page, "Save")
+    with page.expect_download() as waiting:
+        press(page, "CSV")
+    path = tmp_path / waiting.value.suggested_filename
+    waiting.value.save_as(path)
+    assert path.name == "diagonal-fuzzy_flc-step.csv"
+    rows = np.loadtxt(path, delimiter=",", skiprows=1)
+    assert len(rows) == 3001
+    with page.expect_download() as waiting:
+        press(page, "HTML")
+    replay = tmp_path / "replay.html"
+    waiting.value.save_as(replay)
+    assert replay.stat().st_size > 500_000
+    fold(page, "Save")
+
+
+def test_two_browsers_see_one_document_and_one_arm(workbench: Workbench, page: Page, context: BrowserContext) -> None:
+    other = look_at(context, workbench.url)
+    choose_tab(page, "Rules")
+    page.locator("#brush6").click()
+    page.locator("#cell0-0").click()
+    for one in (page, other):
+        expect(one.locator("#cell0-0")).to_have_text("LR")
+    other.locator("#cell0-1").click()
+    for one in (page, other):
+        expect(one.locator("#cell0-1")).to_have_text("LR")
+    other.keyboard.press("Control+z")
+    page.keyboard.press("Control+z")
+    for one in (page, other):
+        expect(one.locator("#cell0-0")).to_have_text("LL")
+        expect(one.locator("#cell0-1")).to_have_text("LL")
+    before = simulated_time(other)
+    until(lambda: {"t": f"{simulated_time(other)}"}, lambda t: float(t["t"]) != before, "the arm to move there too")
+    other.close()
+    until(lambda: {"t": f"{simulated_time(page)}"}, lambda t: float(t["t"]) != before, "the arm to move on here")
