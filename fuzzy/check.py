@@ -5,43 +5,22 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, Literal
+from typing import Any
 
-import msgspec
 from msgspec.structs import replace
 
 from fuzzy import formats, sets
+from fuzzy.consistency import consistency
 from fuzzy.errors import InvalidSystemError
+from fuzzy.finding import Finding
 from fuzzy.formats.yaml import nearest
 from fuzzy.partition import order
 from fuzzy.rules import all_rules, format_expression, propositions
 from fuzzy.system import And, Expression, FuzzySystem, Hedged, Is, Not, Or, Output, Rule, RuleTable, Variable
 from fuzzy.validation import validate
 
-Level = Literal["error", "warning", "hint"]
-
 _INTENDED = 0.75
 """Share of a table from which a property counts as intended and the rest as slips."""
-
-
-class Finding(msgspec.Struct, frozen=True):
-    """Something that a designer should look at.
-
-    Attributes:
-        level: ``error`` cannot be used, ``warning`` acts otherwise than it looks, ``hint`` may well be meant.
-        message: One sentence.
-        path: Place in the document, such as ``inputs.e.terms.NB``.
-        cells: Row and column numbers of the rule table's cells that it is about.
-        line: Line in the file, counted from 1; 0 before :func:`locate`.
-        column: Column in the file, counted from 1; 0 before :func:`locate`.
-    """
-
-    level: Level
-    message: str
-    path: str = ""
-    cells: tuple[tuple[int, int], ...] = ()
-    line: int = 0
-    column: int = 0
 
 
 def check(system: FuzzySystem) -> list[Finding]:
@@ -56,6 +35,7 @@ def check(system: FuzzySystem) -> list[Finding]:
     found = [finding for variable in system.inputs for finding in _cover(variable)]
     found += _unused_terms(system)
     found += _curved_sets(system)
+    found += consistency(system)
     if system.rules.table is not None:
         found += _missing_cells(system, system.rules.table)
         found += _slips(system, system.rules.table)

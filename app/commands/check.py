@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 if TYPE_CHECKING:
-    from fuzzy.check import Finding
+    from fuzzy.finding import Finding
 
 
 def check(

@@ -11,7 +11,7 @@ from app.state.model import Advice, Notice, Question, Result, Source, Work
 from app.state.setup import Setup
 from app.storage import Stamp
 from fuzzy.analysis import Surface
-from fuzzy.check import Finding
+from fuzzy.finding import Finding
 from fuzzy.system import FuzzySystem
 
 

@@ -12,7 +12,7 @@ from app.state.design import Design
 from app.state.setup import Setup
 from app.storage import Stamp
 from fuzzy.analysis import Surface
-from fuzzy.check import Finding
+from fuzzy.finding import Finding
 from fuzzy.system import FuzzySystem, Rule
 from robot.metrics import Metrics
 from robot.simulation import Run

@@ -104,6 +104,13 @@ def implication(code: int, w: float, a: float) -> float:
 
 
 @borrowing_kernel
+def imply(code, w, degree):
+    """Put the implied degrees in the place of a set's degrees (n,)."""
+    for i in range(degree.size):
+        degree[i] = implication(code, w, degree[i])
+
+
+@borrowing_kernel
 def aggregation(code: int, a: float, b: float) -> float:
     """Return the aggregate of two degrees: by an s-norm, their sum or their minimum."""
     if code == SUM:

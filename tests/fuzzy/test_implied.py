@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 import fuzzy
 from fuzzy.formats import load
-from fuzzy.implied import implied
+from fuzzy.operators import implied
 from fuzzy.rules import parse_rule
 from fuzzy.system import Implication, RuleBase, Sampling
 

@@ -19,8 +19,8 @@ from app.state import AppState, DesignChanged
 from app.store import Dispatch
 from app.widgets import MARK, coordinate_label, div, escape, on_input
 from fuzzy.errors import FuzzyError
-from fuzzy.implied import implied
 from fuzzy.inference import Controller, Trace, compile_system
+from fuzzy.operators import implied
 from fuzzy.rules import format_expression
 from fuzzy.shapes import Linear
 from fuzzy.system import FuzzySystem, Output

@@ -15,22 +15,19 @@ from app.views.inference.formulas import lines
 from app.views.inference.policies import PoliciesView
 from app.widgets import div, on_input
 from fuzzy import edits
+from fuzzy.operators import COMPOSITIONS
 from fuzzy.system import Aggregation, Defuzzifier, Implication, Sampling, SamplingRule, SNorm, TNorm
 from fuzzy.validation import MAX_POINTS, MIN_POINTS
 
 _OTHER = "other"
 _COMPOSITIONS = {
-    "Max-Min (31)": {"implication": "min", "aggregation": "max"},
-    "Sum-Min (32)": {"implication": "min", "aggregation": "sum"},
-    "Max-Product": {"implication": "product", "aggregation": "max"},
-    "Sum-Product": {"implication": "product", "aggregation": "sum"},
-    "Max-Bounded product": {"implication": "bounded_difference", "aggregation": "max"},
-    "Max-Drastic product": {"implication": "drastic_product", "aggregation": "max"},
-    "Max-Bounded sum": {"implication": "bounded_sum", "aggregation": "max"},
-    "Max-Algebraic sum": {"implication": "algebraic_sum", "aggregation": "max"},
-    "Min-Max": {"implication": "kleene_dienes", "aggregation": "min"},
+    f"{name} ({entry.equation})" if entry.equation else name: {
+        "implication": entry.implication,
+        "aggregation": entry.aggregation,
+    }
+    for name, entry in COMPOSITIONS.items()
 }
-"""Named pairs of implication and aggregation, the source paper's seven among them; the numbers are its equations."""
+"""The compositions by name, with the number of the source paper's equation."""
 
 _OPERATORS = {
     "conjunction": ("AND", get_args(TNorm)),

@@ -11,8 +11,8 @@ from app.palette import BAD, ERROR, MUTED
 from app.state import AppState, DesignChanged, Event, Notice, Noticed, Selected
 from app.store import Dispatch
 from app.widgets import div, escape
-from fuzzy.check import Finding
 from fuzzy.edits import Grid
+from fuzzy.finding import Finding
 from fuzzy.system import FuzzySystem
 
 _MOST = 24
