@@ -13,7 +13,7 @@ import contextlib
 import logging
 import math
 from collections.abc import Callable, Iterable
-from typing import Annotated, Any, Literal, assert_never
+from typing import Any, assert_never
 
 import msgspec
 import viser
@@ -23,6 +23,17 @@ from websockets.typing import Data
 
 from app import clean
 from app.clean import MAX_UPLOAD, Refused
+from app.messages import (
+    CommandTriggerMessage,
+    FileTransferPart,
+    FileTransferStartUpload,
+    GuiUpdateMessage,
+    SceneNodeClickMessage,
+    SceneNodeDragMessage,
+    Update,
+    ViewerCameraMessage,
+    decode,
+)
 
 MAX_MESSAGE = MAX_UPLOAD + (1 << 16)
 """Most bytes of one message: an upload's part and its envelope."""
@@ -36,111 +47,7 @@ MAX_LINE, MAX_TEXT = 2_000, 20_000
 _MAX_PARTS = 64
 """Most parts of an upload, and most uploads at once: 1 MiB comes in two parts."""
 
-_Id = Annotated[str, msgspec.Meta(max_length=64)]
-_Name = Annotated[str, msgspec.Meta(max_length=256)]
-_Count = Annotated[int, msgspec.Meta(ge=0, le=1 << 31)]
-_Two = tuple[float, float]
-_Three = tuple[float, float, float]
-_Modifier = Literal["cmd/ctrl", "alt", "shift", "cmd/ctrl+alt", "cmd/ctrl+shift", "alt+shift", "cmd/ctrl+alt+shift"]
-
 _log = logging.getLogger(__name__)
-
-
-class _Message(msgspec.Struct, frozen=True, tag_field="type", tag=True, forbid_unknown_fields=True):
-    """A message as viser's page sends it; the names of classes and fields are viser's."""
-
-
-class ViewerCameraMessage(_Message, frozen=True):
-    """Where the viewer looks from."""
-
-    wxyz: tuple[float, float, float, float]
-    position: _Three
-    fov: float
-    near: float
-    far: float
-    image_height: _Count
-    image_width: _Count
-    look_at: _Three
-    up_direction: _Three
-
-
-class Update(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The one property that a browser may set."""
-
-    value: Any
-
-
-class GuiUpdateMessage(_Message, frozen=True):
-    """A widget has a new value, or a button was pressed."""
-
-    uuid: _Id
-    updates: Update
-
-
-class CommandTriggerMessage(_Message, frozen=True):
-    """A hotkey was pressed, or a command chosen from the palette."""
-
-    uuid: _Id
-
-
-class SceneNodeClickMessage(_Message, frozen=True):
-    """Something in the scene was clicked."""
-
-    name: _Name
-    instance_index: _Count | None
-    ray_origin: _Three
-    ray_direction: _Three
-    screen_pos: _Two
-    modifier: _Modifier | None
-    owner: _Id = ""
-
-
-class SceneNodeDragMessage(_Message, frozen=True):
-    """Something in the scene is dragged."""
-
-    phase: Literal["start", "update", "end"]
-    name: _Name
-    instance_index: _Count | None
-    start_position: _Three
-    start_screen_pos: _Two
-    end_position: _Three
-    end_screen_pos: _Two
-    button: Literal["left", "middle", "right"]
-    modifier: _Modifier | None
-    owner: _Id = ""
-
-
-class FileTransferStartUpload(_Message, frozen=True):
-    """A file is about to be sent."""
-
-    source_component_uuid: _Id
-    transfer_uuid: _Id
-    filename: Annotated[str, msgspec.Meta(max_length=clean.MAX_NAME)]
-    mime_type: _Name
-    part_count: Annotated[int, msgspec.Meta(ge=0, le=_MAX_PARTS)]
-    size_bytes: Annotated[int, msgspec.Meta(ge=0, le=MAX_UPLOAD)]
-
-
-class FileTransferPart(_Message, frozen=True):
-    """A part of a file."""
-
-    source_component_uuid: _Id | None
-    transfer_uuid: _Id
-    part_index: Annotated[int, msgspec.Meta(ge=0, lt=_MAX_PARTS)]
-    content: bytes
-
-
-Message = (
-    ViewerCameraMessage
-    | GuiUpdateMessage
-    | CommandTriggerMessage
-    | SceneNodeClickMessage
-    | SceneNodeDragMessage
-    | FileTransferStartUpload
-    | FileTransferPart
-)
-
-_decoder = msgspec.msgpack.Decoder(Message)
 
 
 class StaleError(Refused):
@@ -150,16 +57,14 @@ class StaleError(Refused):
 class Door:
     """Decides which messages viser receives.
 
-    Args:
-        on_refused: Called on the event loop with a sentence about each value that was refused.
-
     Attributes:
         server: The server that the messages are for; None until it runs.
+        on_refused: Called on the event loop with a sentence about each value that was refused.
     """
 
     def __init__(self, on_refused: Callable[[str], None]) -> None:
         self.server: viser.ViserServer | None = None
-        self._on_refused = on_refused
+        self.on_refused = on_refused
 
     def connection_class(self) -> type[ServerConnection]:
         """Return the class of connections that give viser only what passes."""
@@ -180,8 +85,10 @@ class Door:
                         _log.warning("a browser sent what the page never sends, and is disconnected: %s", error)
                         self._is_shut = True
                         await self.close(CloseCode.POLICY_VIOLATION, "not a message of this page")
+                    except StaleError as stale:
+                        _log.debug("ignored: %s", stale)
                     except Refused as refusal:
-                        _log.debug("refused: %s", refusal)
+                        door.on_refused(str(refusal))
                     else:
                         if not self._is_shut:
                             return data
@@ -195,12 +102,7 @@ class Door:
             msgspec.MsgspecError: It is none that the page sends.
             Refused: Its value is not one that its widget declares; the browser is told the present one.
         """
-        if isinstance(data, str):
-            raise msgspec.ValidationError("a text frame")
-        try:
-            message = _decoder.decode(data)
-        except (RecursionError, UnicodeDecodeError) as error:
-            raise msgspec.ValidationError(str(error)) from error
+        message = decode(data)
         server = self.server
         if server is None:
             raise StaleError("the workbench is starting")
@@ -215,6 +117,8 @@ class Door:
                 _check_instance(server, message.name, message.instance_index)
             case ViewerCameraMessage():
                 _check_finite(message)
+                if not (message.image_height and message.image_width):  # its aspect would be a division by zero
+                    raise StaleError("a page that is not to be seen")
             case FileTransferStartUpload():
                 _check_upload(server, message)
             case FileTransferPart():
@@ -228,12 +132,10 @@ class Door:
             raise StaleError("a widget that is not there")
         try:
             check_value(handle, value)
-        except Refused as refusal:
+        except Refused:
             # The browser shows what it sent: tell it, and with it all others, what is.
             if not isinstance(handle, viser.GuiButtonHandle | viser.GuiUploadButtonHandle):
                 handle._queue_update("value", handle._impl.value)
-            if not isinstance(refusal, StaleError):
-                self._on_refused(str(refusal))
             raise
 
 
@@ -326,10 +228,12 @@ def _check_upload(server: viser.ViserServer, message: FileTransferStartUpload) -
     clean.upload_name(message.filename)
     in_flight = server.gui._current_file_upload_states
     promised = sum(state["total_bytes"] for state in in_flight.values())
-    if message.transfer_uuid in in_flight or len(in_flight) >= _MAX_PARTS:
-        raise Refused("too many uploads at once")
+    if message.transfer_uuid in in_flight or len(in_flight) >= _MAX_PARTS or message.part_count > _MAX_PARTS:
+        raise Refused(f"{message.filename} comes in {message.part_count} parts, or with too many others")
     if message.size_bytes > MAX_UPLOAD - promised:
-        raise Refused(f"{message.filename} has {message.size_bytes} bytes; all uploads together have {MAX_UPLOAD}")
+        raise Refused(
+            f"{message.filename} has {message.size_bytes} bytes; valid are {MAX_UPLOAD} for all uploads together"
+        )
 
 
 def _check_part(server: viser.ViserServer, message: FileTransferPart) -> None:

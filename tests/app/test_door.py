@@ -282,10 +282,12 @@ def test_coordinates_are_finite_and_instances_exist(intruder: Intruder, workbenc
     ]
     for change in hostile:
         intruder.send(message | change)
-    intruder.send(CAMERA | {"position": [math.nan, 0, 0]})
+    for hostile_camera in ({"position": [math.nan, 0, 0]}, {"image_height": 0, "fov": 9.0}, {"fov": math.inf}):
+        intruder.send(CAMERA | hostile_camera)
     intruder.send(message)
     intruder.wait_until_read()
     assert clicked == [(0.0, 0.0, 1.0)]
+    assert all(client.camera.image_height for client in workbench.server.get_clients().values())
     box.remove()
 
 

@@ -6,7 +6,7 @@ import contextlib
 import http.client
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, cast
 
 import msgspec.msgpack
@@ -28,8 +28,10 @@ PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")
 
 
 @contextlib.contextmanager
-def running(token: str | None = None, host: str = "127.0.0.1") -> Iterator[viser.ViserServer]:
-    server = guard.start_server(host=host, port=0, token=token)
+def running(
+    token: str | None = None, host: str = "127.0.0.1", on_refused: Callable[[str], None] = lambda _: None
+) -> Iterator[viser.ViserServer]:
+    server = guard.start_server(host=host, port=0, token=token, on_refused=on_refused)
     try:
         yield server
     finally:
@@ -298,7 +300,21 @@ def test_too_large_uploads_are_not_buffered() -> None:
     assert uploads.received == [b"last"]
 
 
-@pytest.mark.parametrize(("size", "parts"), [(MAX_UPLOAD + 1, 1), (-5, 1), (10, 10**6), (10, -1)])
+@pytest.mark.parametrize(("size", "parts"), [(MAX_UPLOAD + 1, 3), (10**12, 10**6), (10, 10**6)])
+def test_an_upload_that_is_too_large_is_refused_with_a_sentence_and_the_page_stays(size: int, parts: int) -> None:
+    sentences: list[str] = []
+    with running(on_refused=sentences.append) as server, open_websocket(server) as websocket:
+        uploads = Uploads(server)
+        uploads.start(websocket, "huge", size, parts)
+        uploads.part(websocket, "huge", b"x" * 1000)
+        uploads.wait_until_read(websocket)
+        assert server.gui._current_file_upload_states == {}
+    assert uploads.received == [b"last"]
+    assert len(sentences) == 1
+    assert "a.yaml" in sentences[0]
+
+
+@pytest.mark.parametrize(("size", "parts"), [(-5, 1), (10, -1)])
 def test_whoever_announces_an_impossible_upload_is_disconnected(size: int, parts: int) -> None:
     with running() as server:
         uploads = Uploads(server)
