@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable
 
 from fuzzy.errors import expected
-from fuzzy.formats import SUFFIXES
+from fuzzy.formats import READABLE
 
 MAX_NAME = 64
 """Longest name of a variable, a term or a file, in characters."""
@@ -91,11 +91,11 @@ def file_name(value: object, what: str = "the file name") -> str:
 def upload_name(value: object, what: str = "the file name") -> str:
     """Return ``value`` if it is a plain name, without any folder, of a kind of file that can be read."""
     plain = text(value, 4 * MAX_NAME, what)
-    if re.fullmatch(rf"(?!\.)[^/\\:\x00-\x1f\x7f]{{1,{MAX_NAME}}}", plain) and plain.lower().endswith(SUFFIXES):
+    if re.fullmatch(rf"(?!\.)[^/\\:\x00-\x1f\x7f]{{1,{MAX_NAME}}}", plain) and plain.lower().endswith(READABLE):
         return plain
     raise Refused(
         f"{what} is {_shown(plain)}; valid are at most {MAX_NAME} characters without / \\ : that end in "
-        f"{' '.join(SUFFIXES)} and do not begin with a dot"
+        f"{' '.join(READABLE)} and do not begin with a dot"
     )
 
 

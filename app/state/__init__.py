@@ -11,6 +11,7 @@ from app.state.events import (
     DesignChanged,
     Edit,
     Event,
+    Imported,
     JumpedTo,
     KeptRemoved,
     KeptRenamed,
@@ -28,6 +29,7 @@ from app.state.events import (
     SetupChanged,
     SurfaceFound,
     Undo,
+    Uploaded,
 )
 from app.state.model import (
     CHARTS,
@@ -50,6 +52,7 @@ from app.state.model import (
     Runs,
     Source,
     Step,
+    Upload,
     Work,
 )
 from app.state.setup import Disturbance, Setup
@@ -79,6 +82,7 @@ __all__ = [
     "DragMode",
     "Edit",
     "Event",
+    "Imported",
     "JumpedTo",
     "Kept",
     "KeptRemoved",
@@ -108,6 +112,8 @@ __all__ = [
     "Step",
     "SurfaceFound",
     "Undo",
+    "Upload",
+    "Uploaded",
     "Work",
     "initial",
     "update",

@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from app.state.model import Advice, Notice, Question, Result, Source, Work
+from app.state.model import Advice, Notice, Question, Result, Source, Upload, Work
 from app.state.setup import Setup
 from app.storage import Stamp
 from fuzzy.analysis import Surface
@@ -45,6 +45,16 @@ class Opened(msgspec.Struct, frozen=True):
     file: str
     stamp: Stamp
     files: tuple[str, ...]
+
+
+class Uploaded(msgspec.Struct, frozen=True):
+    """A browser brought a document; None takes it back."""
+
+    upload: Upload | None
+
+
+class Imported(msgspec.Struct, frozen=True):
+    """The uploaded document takes the place of the present one, which can be undone; it is in no file yet."""
 
 
 class Saved(msgspec.Struct, frozen=True):
@@ -159,6 +169,8 @@ Event = (
     | Redo
     | JumpedTo
     | Opened
+    | Uploaded
+    | Imported
     | Saved
     | Recovered
     | Asked

@@ -34,9 +34,12 @@ LAYERS: tuple[Layer, ...] = get_args(Layer)
 
 
 class Source(msgspec.Struct, frozen=True):
-    """Where a document is kept: what was last read or saved, the file's name, and what that looked like on disk."""
+    """Where a document is kept: what was last read or saved, the file's name, and what that looked like on disk.
 
-    saved: FuzzySystem
+    ``saved`` is None for a document that came from a browser and is in no file yet.
+    """
+
+    saved: FuzzySystem | None
     file: str | None = None
     stamp: Stamp | None = None
 
@@ -85,6 +88,22 @@ class Recovery(msgspec.Struct, frozen=True):
 
 
 Question = Conflict | Recovery
+
+
+class Upload(msgspec.Struct, frozen=True):
+    """A document that came from a browser and may replace the present one.
+
+    Attributes:
+        name: Name of the file.
+        document: What was read.
+        remarks: What was left out or taken otherwise than it was written.
+        findings: What the check says about it.
+    """
+
+    name: str
+    document: FuzzySystem
+    remarks: tuple[str, ...] = ()
+    findings: tuple[str, ...] = ()
 
 
 class Playback(msgspec.Struct, frozen=True):
@@ -185,6 +204,7 @@ class AppState(msgspec.Struct, frozen=True, eq=False):
     source: Source
     files: tuple[str, ...] = ()
     new_name: str = ""
+    upload: Upload | None = None
     past: tuple[Step, ...] = ()
     future: tuple[Step, ...] = ()
     brush: str | None = None

@@ -14,6 +14,7 @@ from app.state.events import (
     DesignChanged,
     Edit,
     Event,
+    Imported,
     JumpedTo,
     KeptRemoved,
     KeptRenamed,
@@ -31,6 +32,7 @@ from app.state.events import (
     SetupChanged,
     SurfaceFound,
     Undo,
+    Uploaded,
 )
 from app.state.model import AppState, Notice, Source, Step, Work
 from app.state.setup import changed
@@ -78,6 +80,10 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
             opened = _changed(state, event.document, (*state.past, step), ())
             source = Source(event.document, event.file, event.stamp)
             return _replace(opened, source=source, files=event.files, notice=None, question=None)
+        case Uploaded():
+            return _replace(state, upload=event.upload, notice=None)
+        case Imported():
+            return _imported(state)
         case Saved():
             return _saved(state, event)
         case Recovered():
@@ -184,6 +190,17 @@ def _redone(state: AppState) -> AppState:
     past = (*state.past, _opposite(state, step))
     redone = _changed(state, step.document, past, state.future[1:])
     return _replace(redone, source=step.source or state.source, notice=Notice(f"Done again: {step.label}."))
+
+
+def _imported(state: AppState) -> AppState:
+    """Return the state with the uploaded document; its name is proposed for the file that it has not yet."""
+    upload = state.upload
+    if upload is None:
+        return state
+    step = Step(state.document, f"import {upload.name}", source=state.source)
+    changed = _changed(state, upload.document, (*state.past, step), ())
+    stem = upload.name.rpartition(".")[0]
+    return _replace(changed, source=Source(None), upload=None, new_name=stem, notice=None)
 
 
 def _jumped(state: AppState, steps: int) -> AppState:

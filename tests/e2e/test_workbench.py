@@ -157,6 +157,31 @@ def test_saving_writes_the_new_term(page: Page, workbench: Workbench, shot: Call
     assert (*after.cells[:1], *after.cells[2:]) == (*before.cells[:1], *before.cells[2:])
 
 
+def test_a_download_comes_back_as_an_upload_and_the_history_leads_anywhere(
+    page: Page, tmp_path: Path, shot: Callable[[str], Path]
+) -> None:
+    choose_tab(page, "Rules")
+    brush_other_than(page, page.locator("#cell0-6"))
+    page.locator("#cell0-6").click()
+    choose_tab(page, "Files")
+    with page.expect_download() as download:
+        page.get_by_role("button", name=".fis", exact=True).click()
+    path = tmp_path / download.value.suggested_filename
+    download.value.save_as(path)
+    with page.expect_file_chooser() as chooser:
+        page.get_by_role("button", name="Upload a file").click()
+    chooser.value.set_files(path)
+    take = page.get_by_role("button", name="replace the document")
+    expect(take).to_be_visible(timeout=ANSWER_MS)
+    shot("upload")
+    take.click()
+    expect(page.locator("#step0")).to_have_text(f"import {path.name}")
+    expect(take).to_have_count(0)
+    page.locator("#step2").click()
+    expect(page.locator("#step1")).to_have_css("opacity", "1")
+    expect(page.get_by_text("2 steps back.")).to_be_visible()
+
+
 def test_dragging_a_point_changes_the_metrics_while_the_arm_moves(page: Page, shot: Callable[[str], Path]) -> None:
     choose_tab(page, "Membership")
     choose_tab(page, "Metrics")

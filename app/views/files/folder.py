@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from functools import partial
 from typing import Any
 
@@ -9,17 +10,16 @@ import viser
 
 from app import clean
 from app.filing import Filing
-from app.palette import BAD, MUTED
-from app.state import AppState, Edit, Event, Redo, Selected, Undo
+from app.palette import BAD
+from app.state import AppState, Edit, Event, Selected
 from app.store import Dispatch
+from app.views.files.exchange import ExchangeView, file_stem
+from app.views.files.history import HistoryView
 from app.widgets import div, escape, on_input
 from fuzzy import edits
 
-_STEPS = 12
-"""Steps of the history that are shown."""
 _MOST_NOTES = 20_000
-_ACTIONS = ("save", "reload")
-_STEPPING = ("undo", "redo")
+_ACTIONS = ("save", "duplicate", "reload")
 
 
 class FilesView:
@@ -33,15 +33,16 @@ class FilesView:
         actions = gui.add_button_group("file", _ACTIONS)
         self._name = gui.add_text("new name", "")
         save_as = gui.add_button("Save under the new name", icon=viser.Icon.DEVICE_FLOPPY)
+        self._exchange = ExchangeView(gui, dispatch)
+        self._title = gui.add_text("title", "")
         self._notes = gui.add_text("notes", "", multiline=True)
-        history = gui.add_button_group("history", _STEPPING)
-        self._steps = gui.add_html("")
+        self._history = HistoryView(gui, dispatch)
         on_input(self._file, dispatch, self._open)
         on_input(actions, dispatch, self._act)
         on_input(self._name, dispatch, lambda name: Selected({"new_name": clean.text(name, clean.MAX_NAME)}))
         on_input(save_as, dispatch, lambda _: self._save_as())
+        on_input(self._title, dispatch, _titled)
         on_input(self._notes, dispatch, _noted)
-        on_input(history, dispatch, lambda which: Undo() if clean.choice(which, _STEPPING) == "undo" else Redo())
 
     def render(self, state: AppState) -> None:
         """Show which file is open, whether it is saved, and the steps that can be undone."""
@@ -55,16 +56,19 @@ class FilesView:
         self._file.value = state.file or ""
         self._name.value = state.new_name
         self._notes.value = state.document.notes
-        undone = [f'<li style="opacity:.5">{escape(step.label)}</li>' for step in reversed(state.future[:3])]
-        done = [f"<li>{escape(step.label)}</li>" for step in reversed(state.past[-_STEPS:])]
-        head = f"{len(state.past)} to undo, {len(state.future)} to redo"
-        steps = f'<ul style="margin:0.3em 0;padding-left:1.3em">{"".join((*undone, *done))}</ul>'
-        self._steps.content = div(head + steps, f"color:{MUTED}")
+        self._title.value = state.document.name
+        self._exchange.render(state)
+        self._history.render(state)
 
     async def _act(self, value: object) -> Event:
-        if clean.choice(value, _ACTIONS, "the action") == "save":
-            return await self._filing.save()
-        return await self._filing.open(self._present().file)
+        state = self._present()
+        match clean.choice(value, _ACTIONS, "the action"):
+            case "save":
+                return await self._filing.save()
+            case "duplicate":
+                return await self._filing.save_as(_free_name(file_stem(state), state.files))
+            case _:
+                return await self._filing.open(state.file)
 
     async def _save_as(self) -> Event:
         text = self._present().new_name.strip()
@@ -78,6 +82,17 @@ class FilesView:
         return self._state
 
 
+def _free_name(stem: str, taken: tuple[str, ...]) -> str:
+    """Return a name for a copy that no file has."""
+    names = (f"{stem[: clean.MAX_NAME - 16]}-copy{number}.yaml" for number in ("", *range(2, len(taken) + 3)))
+    return next(name for name in names if name not in taken)
+
+
+def _titled(value: object) -> Edit:
+    name = clean.name(value, "the title")
+    return Edit(f"title {name}", partial(edits.set_name, name=name), "title", time.monotonic())
+
+
 def _noted(value: object) -> Edit:
     notes = clean.text(value, _MOST_NOTES, "the notes")
-    return Edit("notes", partial(edits.set_notes, notes=notes), gesture="notes")
+    return Edit("notes", partial(edits.set_notes, notes=notes), gesture="notes", at=time.monotonic())

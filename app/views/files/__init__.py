@@ -1,0 +1,5 @@
+"""Design › Files."""
+
+from app.views.files.folder import FilesView
+
+__all__ = ["FilesView"]
