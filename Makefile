@@ -48,6 +48,9 @@ soak: $(VENV)/installed-dev  ## ten minutes of editing and playback with 20 brow
 package: $(VENV)/installed-dev  ## build the wheel, install it into an empty environment and try it there
 	@$(BIN)/python -m tests.package
 
+fuzz: $(VENV)/installed-dev  ## read a hundred thousand damaged files of every format
+	@FUZZ_EXAMPLES=100000 $(BIN)/python -m pytest tests/formats/test_fuzz.py
+
 screenshot: $(VENV)/installed-dev browser  ## take docs/screenshot.png again, through the browser test
 	@$(BIN)/python -m pytest tests/e2e
 	@cp tests/e2e/shots/workbench.png docs/screenshot.png

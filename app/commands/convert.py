@@ -71,8 +71,29 @@ def convert(
     else:
         from fuzzy.formats.files import write_bytes
 
+        if kind == "yaml":
+            _keep_comments(target)
         write_bytes(target, written.text.encode())
     return 0
+
+
+def _keep_comments(target: Path) -> None:
+    """Keep a copy of a file whose comments would be lost, and say so."""
+    import contextlib
+
+    from fuzzy.formats.files import read_bytes, write_bytes
+    from fuzzy.formats.yaml_comments import comments
+
+    if not target.is_file():
+        return
+    content = read_bytes(target)
+    with contextlib.suppress(UnicodeDecodeError):
+        lost = comments(content.decode())
+        if lost:
+            kept = target.with_name(f"{target.name}.bak")
+            write_bytes(kept, content)
+            place = f"{target}:{lost[0][0]}:1"
+            print(f"{place}: warning: comments are lost; the file before is kept as {kept.name}", file=sys.stderr)
 
 
 def _kind(target: Path, to: Target | None) -> Target:

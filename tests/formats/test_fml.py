@@ -116,6 +116,13 @@ def test_mistakes_are_named_where_they_stand(old: str, new: str, message: str, l
     assert caught.value.line == line, str(caught.value)
 
 
+def test_a_declared_encoding_does_not_matter() -> None:
+    for encoding in ("utf-8", "latin-1"):
+        content = TEXT.replace("degrees", "größe").encode(encoding)
+        assert formats.from_bytes(content, "x.xml").system.inputs[0].unit == "größe"
+    assert read(TEXT.replace("ISO-8859-1", "no-such-one")) == read(TEXT)
+
+
 def test_deep_nesting_is_refused() -> None:
     with pytest.raises(FormatError, match="nested more than 16 deep"):
         read("<fuzzySystem>" * 10_000)

@@ -20,8 +20,8 @@ _TOKEN = re.compile(
     r"|(?P<other>.)",
     re.DOTALL,
 )
-MAX_TOKENS = 200_000
-"""Greatest number of words; the greatest valid system needs some 150,000."""
+MAX_TOKENS = 100_000
+"""Greatest number of words: 4096 rules of two dozen words each."""
 
 
 class Words(NamedTuple):

@@ -37,6 +37,7 @@ _LINE = re.compile(r"([A-Za-z-]+)\s*:\s*(.*)")
 _WORD = re.compile(r"\S+")
 _TOKEN = re.compile(r"[(),]|[^\s(),]+")
 _RESOLUTION = 1000
+_MAX_RULE = 20_000
 _DIALECT = Dialect(words.HEDGES, has_chaining=True)
 
 
@@ -277,6 +278,8 @@ def _rules(
         _check_activation(source, block)
         found = []
         for entry in block.entries:
+            if len(entry.text) > _MAX_RULE:
+                raise source.error(f"a rule of {len(entry.text)} characters: at most {_MAX_RULE}", entry.offset)
             tokens = [Token(match.group(), entry.offset + match.start()) for match in _TOKEN.finditer(entry.text)]
             notes.at(f"rules.list[{len(parsed) + len(found)}]", entry.offset)
             found.append(reader.read(tokens, entry.offset + len(entry.text)))

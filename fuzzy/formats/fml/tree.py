@@ -13,8 +13,8 @@ from xml.parsers import expat
 from fuzzy.errors import FormatError, expected
 from fuzzy.formats.source import number, shown
 
-MAX_ELEMENTS = 200_000
-"""Greatest number of elements; the greatest valid system needs some 150,000."""
+MAX_ELEMENTS = 50_000
+"""Greatest number of elements: a file of 1 MiB holds no more that say something."""
 
 MAX_LEVELS = 16
 """Greatest nesting; the schema needs eight."""
@@ -91,7 +91,7 @@ class _Builder:
         self.stack: list[Element] = []
         self.texts: list[list[str]] = []
         self.count = 0
-        self.parser: Any = expat.ParserCreate()
+        self.parser: Any = expat.ParserCreate("utf-8")  # whatever encoding the file declares
         self.parser.buffer_text = True
         self.parser.ordered_attributes = True
         self.parser.StartElementHandler = self._start
@@ -144,7 +144,6 @@ def parse(text: str, source: str) -> Element:
     """
     builder = _Builder(source)
     try:
-        # The text is decoded already: a declared encoding no longer counts.
         builder.parser.Parse(text.encode("utf-8", "surrogatepass"), True)
     except expat.ExpatError as error:
         raise FormatError(

@@ -1,0 +1,153 @@
+"""Damaged files of every format: read, or refused with a place, in time; never a traceback.
+
+``make fuzz`` runs a hundred thousand inputs (FUZZ_EXAMPLES); here it is a quick share.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import time
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fuzzy import formats
+from fuzzy.errors import FormatError
+from fuzzy.formats.detection import FORMATS
+from fuzzy.validation import validate
+from tests.formats.conformance import FILES, FOLDER
+
+EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "1500"))
+RULEBASES = Path(__file__).parents[2] / "rulebases"
+LINE_ENDS = (b"\n", b"\r", b"\xc2\x85", b"\xe2\x80\xa8", b"\xe2\x80\xa9")
+SUFFIXES = (".yaml", ".fis", ".fll", ".fcl", ".xml", "")
+
+
+def seeds() -> list[bytes]:
+    """Return the public cases, and our own rule bases in every format."""
+    own = [formats.load(path) for path in sorted(RULEBASES.glob("*.yaml"))[:2]]
+    found = [formats.write(system, kind, lossy=True).text.encode() for system in own for kind in FORMATS]
+    return found + [(FOLDER / file).read_bytes() for file in FILES] if FOLDER else found
+
+
+SEEDS = seeds()
+
+_marks = b"[ ] ( ) ' \" , ; : := .. % # // /* (* <!-- &lt;".split()
+_numbers = b"nan inf -inf 1e999 -1e308 0 -0.0 99999999999999999999 1e-320 0x1 1_0".split()
+_bytes = [b"\n", b"\r", b"\t", b"\x00", b"\xff", b"\xfe\xff", b"\xef\xbb\xbf", b"\xc3(", b"\xe2\x80\xa8", b"\x1a"]
+_words = [
+    b"not ",
+    b"very ",
+    b"any ",
+    b"and ",
+    b" or ",
+    b" is ",
+    b"if ",
+    b"then ",
+    b"with ",
+    b"RULE 1 : ",
+    b"TERM x := ",
+]
+_lines = [b"[Rules]\n", b"[Input1]\n", b"Engine: x\n", b"RuleBlock:\n", b"END_RULEBLOCK", b"<rule>", b"</clause>"]
+_pieces = st.one_of(
+    *(st.sampled_from(kind) for kind in (_marks, _numbers, _bytes, _words, _lines)), st.binary(max_size=6)
+)
+
+
+@st.composite
+def damaged(draw: st.DrawFn) -> tuple[bytes, str]:
+    """A file with a few pieces replaced, moved, doubled or cut off."""
+    content = draw(st.sampled_from(SEEDS))
+    for _ in range(draw(st.integers(0, 4))):
+        start = draw(st.integers(0, len(content)))
+        end = min(len(content), start + draw(st.integers(0, 40)))
+        match draw(st.integers(0, 5)):
+            case 0 | 1:
+                content = content[:start] + draw(_pieces) + content[end:]
+            case 2:
+                content = content[:end] + content[start:end] * draw(st.integers(1, 50)) + content[end:]
+            case 3:
+                content = content[:start] + content[end:]
+            case 4:
+                content = content[:start] + draw(st.sampled_from(SEEDS))[start:]
+            case _:
+                content = content[:start]
+    return content, "x" + draw(st.sampled_from(SUFFIXES))
+
+
+@settings(max_examples=EXAMPLES)
+@given(damaged())
+def test_a_damaged_file_is_read_whole_or_refused_with_a_place(case: tuple[bytes, str]) -> None:
+    content, name = case
+    start = time.process_time()
+    refused = None
+    try:
+        imported = formats.from_bytes(content, name)
+        assert validate(imported.system) == imported.system
+    except FormatError as error:
+        refused = error
+    if refused is not None:
+        assert str(refused).startswith(f"{name}:{refused.line}:{refused.column}: error: ")
+        assert len(str(refused)) < 4000
+        assert refused.line <= sum(content.count(end) for end in LINE_ENDS) + 2
+    assert time.process_time() - start < 5  # a guard against minutes, not a measurement
+
+
+HOSTILE = {
+    "empty": b"",
+    "one byte": b"\x00",
+    "noise": bytes(range(256)) * 400,
+    "blanks": b" \n" * 200_000,
+    "brackets": b"(" * 1_000_000,
+    "sections": b"[System]\n" + b"".join(b"[Input%d]\n" % i for i in range(50_000)),
+    "entries": b"[System]\n" + b"".join(b"k%d=1\n" % i for i in range(60_000)),
+    "rules": b"[System]\n[Rules]\n" + b"1 1, 1 (1) : 1\n" * 60_000,
+    "blocks": b"Engine: x\n" + b"InputVariable: y\n" * 50_000,
+    "terms": b"Engine: x\nInputVariable: y\nrange: 0 1\n" + b"term: a Triangle 0 1 2\n" * 40_000,
+    "nested rule": b"Engine: x\nInputVariable: y\nrange: 0 1\nterm: a Ramp 0 1\nOutputVariable: z\nrange: 0 1\n"
+    b"defuzzifier: Centroid\nterm: b Ramp 0 1\nRuleBlock:\nrule: if " + b"(" * 300_000 + b"y is a then z is b",
+    "hedges": b"Engine: x\nInputVariable: y\nrange: 0 1\nterm: a Ramp 0 1\nOutputVariable: z\nrange: 0 1\n"
+    b"defuzzifier: Centroid\nterm: b Ramp 0 1\nRuleBlock:\nrule: if y is " + b"not " * 200_000 + b"a then z is b",
+    "words": b"FUNCTION_BLOCK x " * 50_000,
+    "comment": b"FUNCTION_BLOCK x (* " + b"* " * 400_000,
+    "points": b"FUNCTION_BLOCK x VAR_INPUT a : REAL; END_VAR FUZZIFY a TERM t := " + b"(1,1)" * 200_000,
+    "elements": b"<fuzzySystem>" + b"<a/>" * 250_000,
+    "attributes": b"<fuzzySystem " + b"".join(b'a%d="" ' % i for i in range(80_000)) + b"/>",
+    "nested elements": b"<a>" * 300_000,
+    "long number": b"schema: " + b"9" * 1_000_000,
+    "long name": b"Engine: " + b"x" * 1_000_000,
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_hostile_files_are_refused_in_time_and_memory(name: str) -> None:
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for suffix in ("", ".yaml"):
+        start = time.process_time()
+        with pytest.raises(FormatError) as caught:
+            formats.from_bytes(HOSTILE[name], f"x{suffix}")
+        assert len(str(caught.value)) < 1000
+        assert time.process_time() - start < 5
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200 * 1024
+
+
+def test_files_that_are_none(tmp_path: Path) -> None:
+    for suffix in (".fis", ".fll", ".fcl", ".xml", ".yaml"):
+        folder = tmp_path / f"folder{suffix}"
+        folder.mkdir()
+        with pytest.raises(FormatError, match="folder"):
+            formats.load(folder)
+        with pytest.raises(FormatError, match="No such file"):
+            formats.load(tmp_path / f"missing{suffix}")
+        pipe = tmp_path / f"pipe{suffix}"
+        os.mkfifo(pipe)
+        with pytest.raises(FormatError, match="no regular file"):
+            formats.load(pipe)
+        huge = tmp_path / f"huge{suffix}"
+        with huge.open("wb") as file:
+            file.truncate(100 << 20)
+        with pytest.raises(FormatError, match="larger than 1048576 bytes"):
+            formats.load(huge)
