@@ -23,7 +23,7 @@ from websockets.typing import Subprotocol
 
 from app.clean import Refused
 from app.door import MAX_NUMBER, Door, StaleError, check_value
-from app.state import Event, Noticed, PlaybackChanged, Progressed, RunFinished
+from app.state import Advised, Event, Noticed, PlaybackChanged, Progressed, RunFinished
 from app.workbench import Workbench
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
@@ -57,7 +57,7 @@ class Intruder:
         dispatch = workbench.store.dispatch
 
         def hear(event: Event) -> None:
-            if not isinstance(event, RunFinished | Progressed):
+            if not isinstance(event, RunFinished | Advised | Progressed):  # these come from threads
                 self.events.append(event)
             dispatch(event)
 
