@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import msgspec
 import numpy as np
+from msgspec.structs import replace
 
 from fuzzy import rules, sets, shapes
 from fuzzy.errors import InvalidSystemError, expected
@@ -17,11 +18,14 @@ from fuzzy.system import (
     Expression,
     FuzzySystem,
     Hedged,
+    Inference,
+    Input,
     Is,
     Not,
     Or,
     Output,
     Rule,
+    RuleBase,
     RuleTable,
     Sampling,
     Variable,
@@ -70,9 +74,10 @@ def validate(system: FuzzySystem) -> FuzzySystem:
     Raises:
         InvalidSystemError: With the path of the first mistake, what was found and what is valid.
     """
+    if _has_valid_parts(system):
+        return _with_valid_table(system)
     system = _typed(system)
-    _check_name(system.name, "name", "the system's name")
-    _check_text(system.notes, "notes", MAX_NOTES)
+    _check_texts(system)
     _check_count(system.inputs, "inputs", "inputs", MAX_VARIABLES)
     _check_count(system.outputs, "outputs", "outputs", MAX_VARIABLES)
     _check_unique(
@@ -88,7 +93,56 @@ def validate(system: FuzzySystem) -> FuzzySystem:
     if isinstance(resolution, Sampling) and not MIN_POINTS <= resolution.points <= MAX_POINTS:
         message = f"{resolution.points} points: valid are {MIN_POINTS} to {MAX_POINTS}"
         raise InvalidSystemError(message, "inference.resolution.points")
+    parts = _parts(system)
+    _VALID_PARTS[tuple(map(id, parts))] = parts
+    while len(_VALID_PARTS) > _KEPT:
+        _VALID_PARTS.pop(next(iter(_VALID_PARTS)), None)
     return system
+
+
+_Parts = tuple[tuple[Input, ...], tuple[Output, ...], tuple[Rule, ...], Inference]
+
+_KEPT = 32
+
+_VALID_PARTS: dict[tuple[int, ...], _Parts] = {}
+"""What was found valid together, by identity: these objects cannot change, and as long as they are kept here no others
+have their identities. Painting a cell leaves all of them as they are."""
+
+
+def _parts(system: FuzzySystem) -> _Parts:
+    return system.inputs, system.outputs, system.rules.list, system.inference
+
+
+def _has_valid_parts(system: FuzzySystem) -> bool:
+    """Return whether all but the names, notes and the table of a system have been found valid before."""
+    if not (isinstance(system, FuzzySystem) and isinstance(system.rules, RuleBase)):
+        return False
+    return tuple(map(id, _parts(system))) in _VALID_PARTS
+
+
+def _with_valid_table(system: FuzzySystem) -> FuzzySystem:
+    """Return a system with valid parts if its name, notes and table are valid, too."""
+    for path, text in (("name", system.name), ("notes", system.notes)):
+        if not isinstance(text, str):
+            raise InvalidSystemError(f"Expected `str`, got `{type(text).__name__}`", path)
+    _check_texts(system)
+    table = system.rules.table
+    if table is not None:
+        try:
+            table = msgspec.convert(msgspec.to_builtins(table, enc_hook=_plain), RuleTable)
+        except msgspec.ValidationError as error:
+            message, _, place = str(error).partition(" - at `$")
+            raise InvalidSystemError(message, f"rules.table{place.strip('`')}") from None
+        except (RecursionError, TypeError, ValueError, OverflowError) as error:
+            raise InvalidSystemError(f"the table holds what the schema does not: {error}", "rules.table") from None
+    found = replace(system, rules=RuleBase(table, system.rules.list))
+    _check_table_and_count(found)
+    return found
+
+
+def _check_texts(system: FuzzySystem) -> None:
+    _check_name(system.name, "name", "the system's name")
+    _check_text(system.notes, "notes", MAX_NOTES)
 
 
 def _typed(system: FuzzySystem) -> FuzzySystem:
@@ -251,6 +305,13 @@ def _check_areas(output: Output, path: str, defuzzifier: str) -> None:
 
 
 def _check_rules(system: FuzzySystem) -> None:
+    inputs, outputs = _check_table_and_count(system)
+    for index, rule in enumerate(system.rules.list):
+        _check_rule(rule, inputs, outputs, f"rules.list[{index}]")
+
+
+def _check_table_and_count(system: FuzzySystem) -> tuple[dict[str, list[str]], dict[str, list[str]]]:
+    """Check the table and how many rules there are; return the terms' names of all inputs and of all outputs."""
     inputs = {entry.name: [term.name for term in entry.terms] for entry in system.inputs}
     outputs = {entry.name: [term.name for term in entry.terms] for entry in system.outputs}
     table = system.rules.table
@@ -260,8 +321,7 @@ def _check_rules(system: FuzzySystem) -> None:
         count += sum(cell is not None for row in table.cells for cell in row)
     if count > MAX_RULES:
         raise InvalidSystemError(f"{count} rules: at most {MAX_RULES}", "rules")
-    for index, rule in enumerate(system.rules.list):
-        _check_rule(rule, inputs, outputs, f"rules.list[{index}]")
+    return inputs, outputs
 
 
 def _check_table(table: RuleTable, inputs: Mapping[str, list[str]], outputs: Mapping[str, list[str]]) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from fuzzy import sets
@@ -165,3 +166,23 @@ def test_support_bounds_where_a_set_is_positive(system):
             left, right = sets.support(term, variable.low, variable.high)
             outside = (x < left) | (x > right)
             assert np.all(plain.degrees(term.shape, x[outside]) <= 1.3e-14)
+
+
+@given(strategies.systems(name=strategies.names), st.data())
+def test_what_was_found_valid_before_is_not_trusted_in_what_changed(system, data):
+    known = validate(system)
+    assert validate(known) == known
+    assert validate(known).inputs is known.inputs
+    wrong = data.draw(
+        st.sampled_from(
+            [
+                replace(known, name=""),
+                replace(known, name=7),
+                replace(known, notes="\x00"),
+                replace(known, rules=RuleBase(RuleTable("?", "?", "?", ((None,),)), known.rules.list)),
+                replace(known, rules=RuleBase(RuleTable("e", "de", "T", 3), known.rules.list)),  # type: ignore[arg-type]
+            ]
+        )
+    )
+    with pytest.raises(InvalidSystemError):
+        validate(wrong)
