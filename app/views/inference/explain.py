@@ -58,7 +58,7 @@ class ExplainView:
         self._inputs: tuple[float, ...] = ()
         self._asked: Probe | None = None
         self._task: asyncio.Task[None] | None = None
-        self._controller: Controller | None = None
+        self._compiled: tuple[FuzzySystem, Controller] | None = None
 
     def render(self, state: AppState) -> None:
         """Show the chosen inputs, and explain them if the document or they are new."""
@@ -95,8 +95,9 @@ class ExplainView:
     async def _explain(self, document: FuzzySystem, probe: tuple[float, ...]) -> None:
         """Compile and infer beside the event loop; the newest question is answered last."""
         try:
-            controller = self._controller
-            if controller is None or controller.system is not document:
+            if self._compiled is not None and self._compiled[0] is document:
+                controller = self._compiled[1]
+            else:
                 controller = await asyncio.to_thread(compile_system, document)
             trace = await asyncio.to_thread(controller.explain, *probe)
         except FuzzyError as error:
@@ -104,7 +105,7 @@ class ExplainView:
                 self._fail(f"{error}", ERROR)
             return
         if self._is_asked(document, probe):
-            self._controller = controller
+            self._compiled = (document, controller)
             self._show_trace(controller, trace, "for the chosen inputs")
 
     def _is_asked(self, document: FuzzySystem, probe: tuple[float, ...]) -> bool:
