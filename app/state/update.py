@@ -44,7 +44,7 @@ from fuzzy.system import FuzzySystem
 HISTORY_LENGTH = 200
 """Steps that can be undone."""
 
-GESTURE_SECONDS = 1.0
+GESTURE_SECONDS = 2.0
 """Edits of one gesture that follow each other faster are undone together."""
 
 
