@@ -118,7 +118,7 @@ def main() -> None:
         workbench = Workbench(path, port=0)
         try:
             watch = _Watch(workbench)
-            asyncio.run_coroutine_threadsafe(watch.begin(workbench), workbench.server.get_event_loop())
+            probe = asyncio.run_coroutine_threadsafe(watch.begin(workbench), workbench.server.get_event_loop())
             with sync_playwright() as playwright:
                 browser = playwright.chromium.launch(executable_path=executable, args=list(FLAGS))
                 page = browser.new_page(viewport={"width": 1600, "height": 900})
@@ -126,6 +126,7 @@ def main() -> None:
                 page.goto(f"http://127.0.0.1:{workbench.server.get_port()}", wait_until="domcontentloaded")
                 _drag(page, watch)
                 browser.close()
+            probe.cancel()
         finally:
             workbench.stop()
 

@@ -1,4 +1,7 @@
-"""A mesh with a colour at every vertex, as binary glTF: the one kind of mesh that viser draws so."""
+"""A mesh with a colour at every vertex, as binary glTF: the one kind of mesh that viser draws so.
+
+Its shade is in its colours, and no light falls on it: without a graphics card that is drawn in half the time.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,6 @@ _JSON, _BINARY = 0x4E4F534A, 0x004E4942
 
 def colored_mesh(
     vertices: NDArray[np.floating],
-    normals: NDArray[np.floating],
     colors: NDArray[np.uint8],
     faces: NDArray[np.integer],
 ) -> bytes:
@@ -23,8 +25,7 @@ def colored_mesh(
 
     Args:
         vertices: (n, 3) places, m, in glTF's axes, whose y points up.
-        normals: (n, 3) unit vectors.
-        colors: (n, 3) red, green, blue; linear light.
+        colors: (n, 3) red, green, blue, shaded; linear light.
         faces: (m, 3) vertex numbers.
 
     References:
@@ -33,34 +34,33 @@ def colored_mesh(
     place = np.ascontiguousarray(vertices, dtype="<f4")
     rgba = np.full((len(place), 4), 255, dtype=np.uint8)
     rgba[:, :3] = colors
-    parts = [place.tobytes(), np.ascontiguousarray(normals, dtype="<f4").tobytes(), rgba.tobytes()]
-    parts.append(np.ascontiguousarray(faces, dtype="<u4").tobytes())
+    parts = [place.tobytes(), rgba.tobytes(), np.ascontiguousarray(faces, dtype="<u4").tobytes()]
     starts = [0, *np.cumsum([len(part) for part in parts])]
     count = len(place)
     accessors = [
         _accessor(0, _FLOAT, count, "VEC3")
         | {"min": place.min(axis=0).astype(float).tolist(), "max": place.max(axis=0).astype(float).tolist()},
-        _accessor(1, _FLOAT, count, "VEC3"),
-        _accessor(2, _UNSIGNED_BYTE, count, "VEC4") | {"normalized": True},
-        _accessor(3, _UNSIGNED_INT, int(np.size(faces)), "SCALAR"),
+        _accessor(1, _UNSIGNED_BYTE, count, "VEC4") | {"normalized": True},
+        _accessor(2, _UNSIGNED_INT, int(np.size(faces)), "SCALAR"),
     ]
     views = [
         {
             "buffer": 0,
             "byteOffset": int(starts[k]),
             "byteLength": len(part),
-            "target": _INDICES if k == 3 else _VERTICES,
+            "target": _INDICES if k == 2 else _VERTICES,
         }
         for k, part in enumerate(parts)
     ]
-    material = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.9}, "doubleSided": True}
-    attributes = {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}
+    material = {"extensions": {"KHR_materials_unlit": {}}, "doubleSided": True}
+    attributes = {"POSITION": 0, "COLOR_0": 1}
     document = {
         "asset": {"version": "2.0"},
+        "extensionsUsed": ["KHR_materials_unlit"],
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": attributes, "indices": 3, "material": 0}]}],
+        "meshes": [{"primitives": [{"attributes": attributes, "indices": 2, "material": 0}]}],
         "materials": [material],
         "accessors": accessors,
         "bufferViews": views,

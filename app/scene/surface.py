@@ -24,6 +24,10 @@ _LIFT = 0.003
 """Height over the surface at which ways and places are drawn, m."""
 _PLACE_RADIUS = 0.009
 _FLOOR_GAP = 0.02
+_SUN = np.array([0.22, -0.50, 0.84])
+"""Where the light comes from that shades the surface; a unit vector."""
+_DARK = 0.45
+"""Brightness of what is turned away from it."""
 _TO_GLTF = (0.70710678, 0.70710678, 0.0, 0.0)
 """Turns glTF's y axis, which points up, into the scene's z."""
 
@@ -96,7 +100,8 @@ class SurfaceView:
         corner = np.arange(ny * nx).reshape(ny, nx)
         a, b, c, d = corner[:-1, :-1], corner[:-1, 1:], corner[1:, :-1], corner[1:, 1:]
         faces = np.concatenate([np.stack([a, c, b], axis=-1), np.stack([b, c, d], axis=-1)]).reshape(-1, 3)
-        data = colored_mesh(_gltf(place), _gltf(normal), linear(scale_colors(share.ravel())), faces)
+        shade = _DARK + (1.0 - _DARK) * np.clip(normal @ _SUN, 0.0, 1.0).reshape(-1, 1)
+        data = colored_mesh(_gltf(place), linear(scale_colors(share.ravel()) * shade), faces)
         if self._mesh is None:
             self._mesh = self._scene.add_glb("/surface/mesh", data, wxyz=_TO_GLTF, cast_shadow=False)
             self._mesh.receive_shadow = False

@@ -26,8 +26,27 @@ _ROWS = {
 }
 """For each metric its name for the reader and its unit; A is the coordinate's step."""
 
+_SHORT = {
+    "rise_time": "rise time",
+    "settling_time": "settling",
+    "steady_state_error": "steady state",
+    "iae": "IAE",
+    "ise": "ISE",
+    "itae": "ITAE",
+    "effort": "effort",
+    "saturation": "at its limit",
+}
+"""Names that fit beside the columns of baselines."""
+
+_TINY, _SMALL = 5e-4, 0.01
+"""Numbers between are shown with four decimals: three significant digits would be too wide."""
+
 _DIFFERENCE = 0.01
 """Relative difference from which on a number counts as better or worse."""
+
+
+_FEW = 3
+"""Columns beside which the long names have room."""
 
 
 class _Column(NamedTuple):
@@ -83,6 +102,8 @@ def _kept_heading(slot: int, name: str) -> str:
 
 def _line(metric: str, columns: list[_Column]) -> str:
     label, unit = _ROWS[metric]
+    if len(columns) > _FEW:
+        label = _SHORT.get(metric, label)
     cells = []
     for column in columns:
         value, rival = (
@@ -109,4 +130,6 @@ def _color(value: float, rival: float) -> str:
 def _text(value: float) -> str:
     if math.isnan(value):
         return "–"
-    return "never" if math.isinf(value) else number(value)
+    if math.isinf(value):
+        return "never"
+    return f"{value:.4f}" if _TINY < value < _SMALL else number(value)
