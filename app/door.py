@@ -12,6 +12,7 @@ import asyncio
 import contextlib
 import logging
 import math
+import time
 from collections.abc import Callable, Iterable
 from typing import Any, assert_never
 
@@ -44,6 +45,9 @@ MAX_NUMBER = 1e12
 MAX_LINE, MAX_TEXT = 2_000, 20_000
 """Most characters of a text field with one line and with several."""
 
+TELL_SECONDS = 0.2
+"""How soon after one refusal the next is told."""
+
 _MAX_PARTS = 64
 """Most parts of an upload, and most uploads at once: 1 MiB comes in two parts."""
 
@@ -59,12 +63,13 @@ class Door:
 
     Attributes:
         server: The server that the messages are for; None until it runs.
-        on_refused: Called on the event loop with a sentence about each value that was refused.
+        on_refused: Called on the event loop with a sentence about what was refused, five times a second at most.
     """
 
     def __init__(self, on_refused: Callable[[str], None]) -> None:
         self.server: viser.ViserServer | None = None
         self.on_refused = on_refused
+        self._silent_until = 0.0
 
     def connection_class(self) -> type[ServerConnection]:
         """Return the class of connections that give viser only what passes."""
@@ -88,12 +93,19 @@ class Door:
                     except StaleError as stale:
                         _log.debug("ignored: %s", stale)
                     except Refused as refusal:
-                        door.on_refused(str(refusal))
+                        door.tell(str(refusal))
                     else:
                         if not self._is_shut:
                             return data
 
         return GuardedConnection
+
+    def tell(self, sentence: str) -> None:
+        """Pass a refusal on, unless one was passed on a moment ago: each is shown to everybody."""
+        now = time.monotonic()
+        if now >= self._silent_until:
+            self._silent_until = now + TELL_SECONDS
+            self.on_refused(sentence)
 
     def check(self, data: Data) -> None:
         """Return if viser may have a message.

@@ -22,7 +22,7 @@ from websockets.sync.connection import Connection
 from websockets.typing import Subprotocol
 
 from app.clean import Refused
-from app.door import MAX_NUMBER, Door, StaleError, check_value
+from app.door import MAX_NUMBER, TELL_SECONDS, Door, StaleError, check_value
 from app.state import Advised, Event, Noticed, PlaybackChanged, Progressed, RunFinished
 from app.workbench import Workbench
 
@@ -84,7 +84,7 @@ class Intruder:
         self._marks += 1
         mark = 1.0 + self._marks / 1024
         self.send(CAMERA | {"fov": mark})
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + PATIENCE
         while not any(client.camera.fov == mark for client in self.workbench.server.get_clients().values()):
             assert time.monotonic() < deadline, "the workbench no longer reads"
             time.sleep(0.005)
@@ -204,6 +204,7 @@ def test_the_browser_is_told_the_value_that_is(intruder: Intruder, monkeypatch: 
     interface: Any = intruder.workbench.server._websock_server
     monkeypatch.setattr(interface, "queue_message", queued.append)
     number = next(h for h in intruder.handles() if isinstance(h, viser.GuiNumberHandle) and h.visible)
+    time.sleep(2 * TELL_SECONDS)
     intruder.update(number, math.nan)
     intruder.wait_until_read()
     updates = [one.updates for one in queued if getattr(one, "uuid", None) == number._impl.uuid]
