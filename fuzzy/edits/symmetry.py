@@ -6,7 +6,7 @@ import math
 
 from msgspec.structs import replace
 
-from fuzzy import partition, shapes
+from fuzzy import motion, partition, shapes
 from fuzzy.edits.access import changed, find, path_of, term_number
 from fuzzy.errors import InvalidSystemError
 from fuzzy.shapes import Shape
@@ -39,7 +39,7 @@ def follow_in_mirror(before: FuzzySystem, after: FuzzySystem, variable: str, ter
         source, target = order[place], order[count - 1 - place]
         if not is_left:
             source, target = target, source
-        terms[target] = replace(terms[target], shape=shapes.reflected(terms[source].shape, middle))
+        terms[target] = replace(terms[target], shape=motion.reflected(terms[source].shape, middle))
     if count % 2:
         number = order[count // 2]
         path = f"{path_of(new)}.terms.{old.terms[number].name}"
@@ -49,7 +49,7 @@ def follow_in_mirror(before: FuzzySystem, after: FuzzySystem, variable: str, ter
 
 def _symmetric(before: Term, after: Term, middle: float, path: str) -> Term:
     """Return the middle term with the moved points and their images."""
-    image = shapes.reflected(after.shape, middle)
+    image = motion.reflected(after.shape, middle)
     values_before = shapes.parameters(before.shape)
     if type(before.shape) is not type(image) or len(values_before) != len(shapes.parameters(image)):
         values = shapes.parameters(after.shape)
@@ -58,7 +58,7 @@ def _symmetric(before: Term, after: Term, middle: float, path: str) -> Term:
         pairs = zip(moved, shapes.parameters(image), strict=True)
         values = [new if new != old else mirror for (old, new), mirror in pairs]
     shape = shapes.build(shapes.kind(after.shape), values)
-    if not _is_near(shapes.reflected(shape, middle), shape):
+    if not _is_near(motion.reflected(shape, middle), shape):
         message = f"'{after.name}' is the middle term: while editing is symmetric it stays in the middle, {middle:g}"
         raise InvalidSystemError(message, path)
     return replace(after, shape=shape)

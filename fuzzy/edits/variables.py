@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from fuzzy import shapes
+from fuzzy import motion
 from fuzzy.edits.access import changed, find, mapped_rule, path_of, replaced, variables_of
 from fuzzy.errors import InvalidSystemError
 from fuzzy.system import FuzzySystem, Input, Is, NoFire, OutOfRange, Output, RuleBase
@@ -48,7 +48,7 @@ def set_range(
     def moved(value: float) -> float:
         return low + (value - found.low) * factor
 
-    terms = tuple(replace(term, shape=shapes.moved(term.shape, moved, factor)) for term in found.terms)
+    terms = tuple(replace(term, shape=motion.moved(term.shape, moved, factor)) for term in found.terms)
     if isinstance(found, Output) and found.no_fire.policy == "default":
         default = NoFire("default", min(max(moved(found.no_fire.value), low), high))
         return changed(system, found, low=low, high=high, terms=terms, no_fire=default)

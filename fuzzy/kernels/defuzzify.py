@@ -2,7 +2,7 @@
 
 import math
 
-from fuzzy.kernels import codes, exact, linear, quadrature, sampled, sets, weighted
+from fuzzy.kernels import codes, curves, exact, linear, quadrature, sampled, sets, weighted
 from fuzzy.kernels.address import at, call_at, defuzzifier_at, outputs_at, rules_at, workspace_at
 from fuzzy.kernels.jit import borrowing_kernel
 from fuzzy.kernels.norms import MAX, PRODUCT, SUM
@@ -18,8 +18,8 @@ DEFUZZIFIERS = {
     codes.LINEAR_CENTROID: linear.centroid,
     codes.LINEAR_BISECTOR: linear.bisector,
     codes.LINEAR_MAXIMA: linear.maximum,
-    codes.CURVED_BISECTOR: quadrature.bisector,
-    codes.CURVED_MAXIMA: quadrature.maximum,
+    codes.CURVED_BISECTOR: curves.bisector,
+    codes.CURVED_MAXIMA: curves.maximum,
     codes.SAMPLED_BISECTOR: sampled.bisector,
     codes.SAMPLED_MAXIMA: sampled.maximum,
 }

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzy import conversion, edits, formats, shapes
+from fuzzy import conversion, edits, formats, motion, shapes
 from fuzzy.errors import InvalidSystemError
 from fuzzy.shapes import Gaussian, Shape, Singleton, Trapezoid, Triangle
 from tests import plain
@@ -87,18 +87,18 @@ def _any_shape() -> st.SearchStrategy[Shape]:
 
 @given(_any_shape(), st.floats(-5.0, 5.0), st.floats(0.1, 10.0), st.floats(-5.0, 5.0))
 def test_a_set_is_moved_with_its_universe(shape: Shape, x: float, factor: float, shift: float) -> None:
-    moved = shapes.moved(shape, lambda place: factor * place + shift, factor)
+    moved = motion.moved(shape, lambda place: factor * place + shift, factor)
     near = plain.degrees(shape, [x - 1e-9, x, x + 1e-9])
     assert near.min() - 1e-6 <= plain.degrees(moved, factor * x + shift) <= near.max() + 1e-6
 
 
 @given(_any_shape(), st.floats(-5.0, 5.0), st.floats(-5.0, 5.0))
 def test_a_mirrored_set_has_the_degrees_of_the_mirrored_places(shape: Shape, middle: float, x: float) -> None:
-    mirrored = shapes.reflected(shape, middle)
+    mirrored = motion.reflected(shape, middle)
     shapes.validate(mirrored)
     near = plain.degrees(shape, [2 * middle - x - 1e-9, 2 * middle - x, 2 * middle - x + 1e-9])
     assert near.min() - 1e-6 <= plain.degrees(mirrored, x) <= near.max() + 1e-6
-    again = shapes.reflected(mirrored, middle)
+    again = motion.reflected(mirrored, middle)
     assert shapes.parameters(again) == pytest.approx(shapes.parameters(shape), abs=1e-12)
 
 

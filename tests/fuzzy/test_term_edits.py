@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import fuzzy
-from fuzzy import edits, partition, shapes
+from fuzzy import edits, motion, partition, shapes
 from fuzzy.errors import InvalidSystemError
 from fuzzy.formats import load
 from fuzzy.rules import all_rules
@@ -157,12 +157,12 @@ def test_a_unit_is_kept_and_a_wrong_one_refused():
 @given(strategies.shapes_on(-3.0, 5.0), st.floats(-2, 2))
 @settings(max_examples=80)
 def test_a_mirror_image_has_the_degrees_of_the_other_side_and_is_its_own_inverse(shape: Shape, middle: float):
-    image = shapes.reflected(shape, middle)
+    image = motion.reflected(shape, middle)
     x = np.linspace(-9, 9, 181)
     expected = plain.degrees(shape, 2 * middle - x)
     # A jump stands at one of two places that rounding tells apart.
     assert np.mean(abs(plain.degrees(image, x) - expected) > 1e-6) < 0.03
-    again = shapes.reflected(image, middle)
+    again = motion.reflected(image, middle)
     assert type(again) is type(shape)
     assert shapes.parameters(again) == pytest.approx(shapes.parameters(shape), abs=1e-9)
 
@@ -184,7 +184,7 @@ def test_symmetric_editing_keeps_a_variable_symmetric_and_a_partition_one(name, 
     assert terms[number] == variable(moved, name).terms[number]
     middle = (found.low + found.high) / 2
     for one, other in zip(terms, reversed(terms), strict=True):
-        assert shapes.parameters(shapes.reflected(one.shape, middle)) == pytest.approx(shapes.parameters(other.shape))
+        assert shapes.parameters(motion.reflected(one.shape, middle)) == pytest.approx(shapes.parameters(other.shape))
     if in_partition:
         assert degrees_sum(after, name) == pytest.approx(1.0)
 
