@@ -20,7 +20,7 @@ from fuzzy.formats.detection import FORMATS
 from fuzzy.validation import validate
 from tests.formats.conformance import FILES, FOLDER
 
-EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "1500"))
+EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "800"))
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 LINE_ENDS = (b"\n", b"\r", b"\xc2\x85", b"\xe2\x80\xa8", b"\xe2\x80\xa9")
 SUFFIXES = (".yaml", ".fis", ".fll", ".fcl", ".xml", "")
