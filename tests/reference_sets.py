@@ -407,7 +407,7 @@ def sampled_with_numpy(system: FuzzySystem, output: Output, conclusions: list[Co
             u = np.linspace(low, high, n, endpoint=False)
             if resolution.rule == "left_with_break_points":
                 bent = [x for term in output.terms for x in locations(term.shape) if low <= x <= high]
-                u = np.union1d(u, bent)
+                u = np.union1d(_added_up_in_single_precision(low, high, n), bent)
                 weight = np.ones(u.size)
     if not conclusions:
         return None
@@ -419,6 +419,15 @@ def sampled_with_numpy(system: FuzzySystem, output: Output, conclusions: list[Co
         return float(chosen[system.inference.defuzzifier]) if degrees.max() > 0 else None
     total = weight * degrees
     return float((u * total).sum() / total.sum()) if total.sum() > 0 else None
+
+
+def _added_up_in_single_precision(low: float, high: float, n: int) -> list[float]:
+    """Return left ends of n intervals as JFML's loop finds them."""
+    found, u, step = [], np.float32(low), (np.float32(high) - np.float32(low)) / np.float32(n)
+    while u < high and len(found) < 2 * n:
+        found.append(float(u))
+        u = np.float32(u + step)
+    return found
 
 
 def numpy_degrees(term: Term, u: np.ndarray) -> np.ndarray:
