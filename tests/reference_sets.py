@@ -404,7 +404,7 @@ def sampled_with_numpy(system: FuzzySystem, output: Output, conclusions: list[Co
         case "midpoints":
             u = low + (np.arange(n) + 0.5) * (high - low) / n
         case _:
-            u = np.linspace(low, high, n, endpoint=False)
+            u = np.array(list(itertools.accumulate([(high - low) / n] * (n - 1), initial=low)))
             if resolution.rule == "left_with_break_points":
                 bent = [x for term in output.terms for x in locations(term.shape) if low <= x <= high]
                 u = np.union1d(_added_up_in_single_precision(low, high, n), bent)
