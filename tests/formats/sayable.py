@@ -104,7 +104,7 @@ def shapes(draw: st.DrawFn, low: float, high: float) -> Shape:
         Ramp(a, b) if is_apart else Singleton(a),
         Ramp(b, a) if is_apart else Singleton(a),
         Singleton(b),
-        Points(tuple(zip((a, b, c, d), (draw(_unit) for _ in range(4)), strict=True))),
+        Points(tuple((place, draw(_unit)) for place in sorted({a, b, c, d}))),
         Gaussian(b, width()),
         Gaussian2(-math.inf if side == "left" else b, width(), math.inf if side == "right" else c, width()),
         Bell(b, width(), draw(st.floats(0.5, 4))),
