@@ -38,9 +38,9 @@ def workbench(rulebases: Path) -> Iterator[Workbench]:
         yield started
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser() -> Iterator[Browser]:
-    """One Chromium for all browser tests; where there is none they fail, they are never skipped."""
+    """One Chromium for all browser tests, gone before the others; where there is none they fail, never skipped."""
     executable = find_chromium()
     if executable is None:
         pytest.fail(MISSING, pytrace=False)
