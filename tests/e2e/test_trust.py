@@ -44,6 +44,7 @@ def journals() -> list[Path]:
 
 def test_hostile_names_and_a_killed_workbench(tmp_path: Path, new_page: Callable[[str], Page]) -> None:
     folder = hostile_folder(tmp_path)
+    others = set(journals())  # of sessions that other tests killed
     with running_workbench(folder) as first:
         page = new_page(first.url)
         said: list[str] = []
@@ -75,7 +76,7 @@ def test_hostile_names_and_a_killed_workbench(tmp_path: Path, new_page: Callable
         cell.click()
         expect(cell).to_have_text(term)
         page.wait_for_timeout(1000)
-        assert len(journals()) == 1
+        assert len(set(journals()) - others) == 1
         first.process.kill()
         first.process.wait()
     assert table(first).cells[0][0] == IMAGE
@@ -101,4 +102,4 @@ def test_hostile_names_and_a_killed_workbench(tmp_path: Path, new_page: Callable
         assert table(second).cells[0][0] == term
         assert "theirs" in (folder / "diagonal.yaml.bak").read_text(encoding="utf-8")
         assert "Traceback" not in second.log.read_text(errors="replace")
-    assert journals() == []
+    assert set(journals()) <= others

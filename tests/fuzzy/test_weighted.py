@@ -95,7 +95,7 @@ def test_functions_may_leave_the_range_and_read_inputs_within_theirs():
         (Linear((1.0, 0.0), 0.0), "centroid", "a linear function is no set"),
         (Linear((1.0, 0.0), 0.0), "height", "a linear function is no set"),
         (Linear((1.0,), 0.0), "weighted_average", "1 coefficients: valid are 2, one for each input"),
-        (Singleton(1.0), "centroid", "the set has no area"),
+        (Triangle(5.0, 6.0, 7.0), "centroid", "the set has no area"),
         (ZShape(5.0, 6.0), "weighted_average", "valid are singleton and linear"),
     ],
 )
