@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from fuzzy import sets
+from fuzzy.compiler.methods import SETLESS
 from fuzzy.finding import Finding
 from fuzzy.rules import all_rules, propositions
 from fuzzy.system import FuzzySystem, Is, Output, Term
@@ -16,7 +17,7 @@ def consistency(system: FuzzySystem) -> Iterator[Finding]:
     yield from _chained(system)
     inference = system.inference
     implication, aggregation = inference.implication, inference.aggregation
-    is_weighted = inference.defuzzifier in {"height", "weighted_average", "weighted_sum"}
+    is_weighted = inference.defuzzifier in SETLESS
     if is_weighted:
         yield from _shared_terms(system)
         return

@@ -61,6 +61,9 @@ Hedge = Literal["very", "extremely", "somewhat", "more_or_less", "plus", "intens
 OutOfRange = Literal["clamp", "reject"]
 NoFirePolicy = Literal["default", "hold", "midpoint", "nan"]
 
+WEIGHTED_VALUES: frozenset[Defuzzifier] = frozenset({"weighted_average", "weighted_sum"})
+"""Defuzzifiers of Sugeno's and Tsukamoto's systems: weighted values of the terms, no sets."""
+
 SCHEMA = "fuzzy-workbench/1"
 """Name and version of the document's schema, the first line of every file."""
 

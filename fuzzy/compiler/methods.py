@@ -4,32 +4,16 @@ from __future__ import annotations
 
 from typing import NamedTuple, assert_never
 
+from fuzzy.compiler.rules import S_NORM, T_NORM
 from fuzzy.kernels import codes, norms
-from fuzzy.system import Aggregation, Inference, Sampling
+from fuzzy.system import WEIGHTED_VALUES, Aggregation, Inference, Sampling
 
-IMPLICATION = {
-    "min": norms.MIN,
-    "product": norms.PRODUCT,
-    "bounded_difference": norms.BOUNDED_DIFFERENCE,
-    "drastic_product": norms.DRASTIC_PRODUCT,
-    "einstein_product": norms.EINSTEIN_PRODUCT,
-    "hamacher_product": norms.HAMACHER_PRODUCT,
-    "nilpotent_minimum": norms.NILPOTENT_MINIMUM,
+IMPLICATION = T_NORM | {
     "bounded_sum": norms.IMPLY_BOUNDED_SUM,
     "algebraic_sum": norms.IMPLY_ALGEBRAIC_SUM,
     "kleene_dienes": norms.IMPLY_KLEENE_DIENES,
 }
-AGGREGATION = {
-    "max": norms.MAX,
-    "sum": norms.SUM,
-    "algebraic_sum": norms.ALGEBRAIC_SUM,
-    "bounded_sum": norms.BOUNDED_SUM,
-    "drastic_sum": norms.DRASTIC_SUM,
-    "einstein_sum": norms.EINSTEIN_SUM,
-    "hamacher_sum": norms.HAMACHER_SUM,
-    "nilpotent_maximum": norms.NILPOTENT_MAXIMUM,
-    "min": norms.LEAST,
-}
+AGGREGATION = S_NORM | {"sum": norms.SUM, "min": norms.LEAST}
 MAXIMUM = {
     "mom": codes.MEAN,
     "som": codes.SMALLEST,
@@ -39,7 +23,7 @@ MAXIMUM = {
 }
 """Codes of the defuzzifiers that ask where the set is largest."""
 
-WEIGHTED = frozenset({"height", "weighted_average", "weighted_sum"})
+SETLESS = WEIGHTED_VALUES | {"height"}
 """Defuzzifiers that need no set."""
 
 _STRAIGHT_IMPLICATIONS = frozenset(IMPLICATION) - {"einstein_product", "hamacher_product"}
@@ -71,7 +55,7 @@ def grouping(inference: Inference) -> int:
     grows = inference.implication != "kleene_dienes"  # with the firing strength
     if joined == ("max" if grows else "min"):
         return codes.LARGEST_STRENGTH
-    is_weighted = inference.defuzzifier in WEIGHTED
+    is_weighted = inference.defuzzifier in SETLESS
     if joined == "sum" and inference.implication == "product" and not is_weighted:
         return codes.SUM_OF_STRENGTHS
     return codes.EVERY_CONSEQUENT
@@ -80,7 +64,7 @@ def grouping(inference: Inference) -> int:
 def method(inference: Inference, traits: Traits) -> int:
     """Return the code of the method for an output."""
     defuzzifier = inference.defuzzifier
-    if defuzzifier in WEIGHTED or traits.is_pointwise:
+    if defuzzifier in SETLESS or traits.is_pointwise:
         return codes.WEIGHTED_SUM if defuzzifier == "weighted_sum" else codes.WEIGHTED_AVERAGE
     is_straight = (
         traits.is_linear

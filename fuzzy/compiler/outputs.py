@@ -15,7 +15,7 @@ from fuzzy.kernels import codes
 from fuzzy.kernels.address import entries
 from fuzzy.kernels.tables import Integers, Numbers, OutputTables
 from fuzzy.shapes import Linear
-from fuzzy.system import Inference, Output, Sampling, Term
+from fuzzy.system import WEIGHTED_VALUES, Inference, Output, Sampling, Term
 
 _KEPT = 32
 """Outputs whose tables are kept: samples make them large."""
@@ -149,7 +149,7 @@ def _value(term: Term, output: Output, inference: Inference) -> float:
         return math.nan
     if sets.is_singleton(term):
         return sets.break_points(term)[0]
-    if inference.defuzzifier in {"weighted_average", "weighted_sum"}:
+    if inference.defuzzifier in WEIGHTED_VALUES:
         return math.nan
     if inference.defuzzifier != "height":
         return 0.0

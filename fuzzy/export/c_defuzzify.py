@@ -101,7 +101,7 @@ def defuzzification(system: FuzzySystem, shapes: Shapes) -> Code:
     """
     inference = system.inference
     pointwise = [all(map(sets.is_singleton, output.terms)) for output in system.outputs]
-    if inference.defuzzifier in methods.WEIGHTED or all(pointwise):
+    if inference.defuzzifier in methods.SETLESS or all(pointwise):
         return _weighted(system)
     if any(pointwise):
         raise _refused("sets beside singletons", "outputs")
@@ -141,7 +141,7 @@ def _result(system: FuzzySystem, number: int, value: str, condition: str) -> str
     """Return the statements that write an output, or its value when no rule fires."""
     output = system.outputs[number]
     low, high = constant(output.low), constant(output.high)
-    is_limited = not (system.inference.defuzzifier in methods.WEIGHTED or all(map(sets.is_singleton, output.terms)))
+    is_limited = not (system.inference.defuzzifier in methods.SETLESS or all(map(sets.is_singleton, output.terms)))
     lines = [f"    if ({condition}) {{", f"        value = {value};"]
     if is_limited:
         lines.append(f"        y[{number}] = value < {low} ? {low} : value > {high} ? {high} : value;")

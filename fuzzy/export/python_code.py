@@ -76,7 +76,7 @@ def _output(system: FuzzySystem, number: int) -> dict[str, Any]:
         "high": output.high,
         "silent": None if output.no_fire.policy == "hold" else no_fire_value(output),
         "joins": methods.grouping(inference) == codes.LARGEST_STRENGTH,
-        "limits": not (is_pointwise or inference.defuzzifier in methods.WEIGHTED),
+        "limits": not (is_pointwise or inference.defuzzifier in methods.SETLESS),
     }
     if not found["limits"]:
         method = "weighted_sum" if inference.defuzzifier == "weighted_sum" else "weighted_average"

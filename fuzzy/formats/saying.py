@@ -9,9 +9,24 @@ from typing import Any
 
 from msgspec.structs import replace
 
+from fuzzy.compiler.methods import grouping
 from fuzzy.errors import InvalidSystemError
+from fuzzy.kernels import codes
 from fuzzy.shapes import Gaussian2, Rectangle, Shape, Trapezoid, Triangle
-from fuzzy.system import And, Expression, FuzzySystem, Hedged, Inference, Is, Not, Or, Rule, RuleBase, Variable
+from fuzzy.system import (
+    WEIGHTED_VALUES,
+    And,
+    Expression,
+    FuzzySystem,
+    Hedged,
+    Inference,
+    Is,
+    Not,
+    Or,
+    Rule,
+    RuleBase,
+    Variable,
+)
 
 _MARK = re.compile(r"[^0-9A-Za-z_]+")
 
@@ -58,10 +73,14 @@ class Adapter:
         return next(word for word, meaning in table.items() if meaning == otherwise)
 
 
+def has_weighted_outputs(system: FuzzySystem) -> bool:
+    """Return whether a system is Sugeno's or Tsukamoto's."""
+    return system.inference.defuzzifier in WEIGHTED_VALUES
+
+
 def weighted_aggregation(inference: Inference) -> str:
     """Return how a weighted average counts several rules that conclude one term: their "sum", or their "max"."""
-    grows = inference.implication != "kleene_dienes"
-    return "max" if inference.aggregation == ("max" if grows else "min") else "sum"
+    return "max" if grouping(inference) == codes.LARGEST_STRENGTH else "sum"
 
 
 def digits(value: float) -> str:

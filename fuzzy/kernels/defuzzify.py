@@ -94,15 +94,13 @@ def defuzzify(address, y):
         if workspace.member_count[at(output)] > 0:
             value = call_at(defuzzifier_at(address, output), address, output)
         workspace.undefined[at(output)] = int(math.isnan(value))
-        if outputs.method[at(output)] == codes.WEIGHTED_AVERAGE or outputs.method[at(output)] == codes.WEIGHTED_SUM:
-            if not math.isnan(value):
-                y[at(output)] = value  # a Sugeno system's outputs may lie outside the range, as in other engines
-            elif outputs.no_fire[at(output)] != codes.HOLD:
+        if math.isnan(value):
+            if outputs.no_fire[at(output)] != codes.HOLD:
                 y[at(output)] = outputs.no_fire_value[at(output)]
-        elif not math.isnan(value):
+        elif outputs.method[at(output)] == codes.WEIGHTED_AVERAGE or outputs.method[at(output)] == codes.WEIGHTED_SUM:
+            y[at(output)] = value  # a Sugeno system's outputs may lie outside the range, as in other engines
+        else:
             y[at(output)] = min(max(value, outputs.range[at(output), 0]), outputs.range[at(output), 1])
-        elif outputs.no_fire[at(output)] != codes.HOLD:
-            y[at(output)] = outputs.no_fire_value[at(output)]
 
 
 @borrowing_kernel

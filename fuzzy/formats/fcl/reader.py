@@ -21,7 +21,7 @@ from fuzzy.formats.fll import words as fuzzylite
 from fuzzy.formats.rule_text import Dialect, ParsedRule, RuleReader, Token
 from fuzzy.formats.source import Source, shown
 from fuzzy.shapes import Linear, Singleton
-from fuzzy.system import FuzzySystem, Inference, Input, NoFire, Output, Sampling
+from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Inference, Input, NoFire, Output, Sampling
 from fuzzy.validation import MAX_RULES
 
 _FUZZYLITE = re.compile(r"\s*(?://|#|\(\*|/\*).{0,80}fuzzylite", re.IGNORECASE)
@@ -64,7 +64,7 @@ def read(text: str, name: str) -> Imported:
     parsed = _rules(notes, block, inputs, outputs, _DIALECTS[dialect])
     rules = [entry.rule for entry in parsed]
     inference = _inference(source, block, dialect, text)
-    if inference.defuzzifier in ("weighted_average", "weighted_sum"):
+    if inference.defuzzifier in WEIGHTED_VALUES:
         _check_terms(source, block)
     rule_set = rule_base(inputs, outputs, rules)
     return notes.imported(FuzzySystem(block.name or "function_block", inputs, tuple(outputs), rule_set, inference))
@@ -164,7 +164,7 @@ def _inference(source: Source, block: FunctionBlock, dialect: str, text: str) ->
         _check_enabled(source, rules)
     conjunction, disjunction = _dual(chosen["AND"].value, chosen["OR"].value)
     defuzzifier: Any = method.get("centroid")
-    if defuzzifier in ("weighted_average", "weighted_sum"):
+    if defuzzifier in WEIGHTED_VALUES:
         joined = accumulation.get("sum" if dialect == "fuzzylite" else "max")
         return Inference(conjunction, disjunction, "min", joined, defuzzifier, marked_resolution(text, "exact"))
     sampling = Sampling(1000, "midpoints" if dialect == "fuzzylite" else "left")

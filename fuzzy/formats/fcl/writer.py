@@ -12,7 +12,16 @@ from fuzzy.conversion import converted
 from fuzzy.errors import InvalidSystemError
 from fuzzy.formats.assembly import resolution_mark
 from fuzzy.formats.fcl import words
-from fuzzy.formats.saying import Adapter, bounded, check_inputs, digits, join, named, weighted_aggregation
+from fuzzy.formats.saying import (
+    Adapter,
+    bounded,
+    check_inputs,
+    digits,
+    has_weighted_outputs,
+    join,
+    named,
+    weighted_aggregation,
+)
 from fuzzy.rules import all_rules
 from fuzzy.shapes import (
     Bell,
@@ -73,7 +82,7 @@ def write(system: FuzzySystem, adapter: Adapter) -> str:
         lines += ["", f"DEFUZZIFY {output.name}", *_output(output, system, adapter), "END_DEFUZZIFY"]
     inference = system.inference
     activation = "MIN"
-    if not _is_weighted(system):
+    if not has_weighted_outputs(system):
         activation = adapter.word(ACTIVATIONS, inference.implication, "inference.implication", "min")
     lines += [
         "",
@@ -89,18 +98,14 @@ def write(system: FuzzySystem, adapter: Adapter) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _is_weighted(system: FuzzySystem) -> bool:
-    return system.inference.defuzzifier in ("weighted_average", "weighted_sum")
-
-
 def _is_native(system: FuzzySystem) -> bool:
-    return system.inference.resolution == ("exact" if _is_weighted(system) else Sampling(1000, "left"))
+    return system.inference.resolution == ("exact" if has_weighted_outputs(system) else Sampling(1000, "left"))
 
 
 def _variable(entry: Variable, system: FuzzySystem, adapter: Adapter) -> list[str]:
     is_output = isinstance(entry, Output)
     path = f"{'outputs' if is_output else 'inputs'}.{entry.name}"
-    is_crisp = is_output and _is_weighted(system)
+    is_crisp = is_output and has_weighted_outputs(system)
     lines = [f"  RANGE := ({digits(entry.low)} .. {digits(entry.high)});"]
     for term in entry.terms:
         said = _term(term, entry, adapter, f"{path}.terms.{term.name}", is_crisp=is_crisp)
@@ -111,7 +116,7 @@ def _variable(entry: Variable, system: FuzzySystem, adapter: Adapter) -> list[st
 def _output(output: Output, system: FuzzySystem, adapter: Adapter) -> list[str]:
     inference = system.inference
     substitute = {"som_abs": "som", "lom_abs": "lom"}.get(inference.defuzzifier, "centroid")
-    is_weighted = _is_weighted(system)
+    is_weighted = has_weighted_outputs(system)
     method = adapter.word(METHODS, inference.defuzzifier, "inference.defuzzifier", None if is_weighted else substitute)
     accumulation = "MAX" if weighted_aggregation(inference) == "max" else "SUM"
     if not is_weighted:

@@ -16,7 +16,7 @@ from fuzzy.formats.fis.rules import read_rules
 from fuzzy.formats.fis.sections import Line, Section, missing, quoted, read_sections
 from fuzzy.formats.source import Source, number, shown
 from fuzzy.shapes import Linear, Points, Shape, Singleton
-from fuzzy.system import FuzzySystem, Inference, Input, NoFire, Output, Sampling, Term
+from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Inference, Input, NoFire, Output, Sampling, Term
 from fuzzy.validation import MAX_TERMS, MAX_VARIABLES
 
 _MEMBERSHIP = re.compile(r"(['\"])(?P<name>.*)\1\s*:\s*(['\"])(?P<kind>[^'\"]*)\3\s*,\s*\[(?P<numbers>[^\]]*)\]")
@@ -128,7 +128,7 @@ def _inference(source: Source, text: str, system: Section, kind: str, engine: En
     defuzzifier: Any = _operator(
         source, system, "defuzzmethod", engine.defuzzifiers, "weighted_average" if has_sugeno else "centroid"
     )
-    is_weighted = defuzzifier in ("weighted_average", "weighted_sum")
+    is_weighted = defuzzifier in WEIGHTED_VALUES
     if is_weighted != (kind != "mamdani"):
         place = system.entries.get("defuzzmethod", system.entries.get("type"))
         assert place is not None, "the defaults go together"

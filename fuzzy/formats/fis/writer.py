@@ -34,10 +34,9 @@ from fuzzy.shapes import (
     ZShape,
     kind,
 )
-from fuzzy.system import FuzzySystem, Input, Is, Output, Rule, Sampling, Term, Variable
+from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Input, Is, Output, Rule, Sampling, Term, Variable
 
 _HEDGES = {hedges: code for code, hedges in words.OCTAVE_HEDGES.items()}
-_WEIGHTED = ("weighted_average", "weighted_sum")
 
 
 def write(system: FuzzySystem, adapter: Adapter) -> str:
@@ -52,7 +51,7 @@ def write(system: FuzzySystem, adapter: Adapter) -> str:
     lines += ["[System]", f"Name='{_name(adapter, system.name, 'name')}'", *_operators(system, adapter, len(rules))]
     for number, entry in enumerate(system.inputs, 1):
         lines += ["", f"[Input{number}]", *_variable(entry, adapter, f"inputs.{entry.name}", is_sugeno=False)]
-    is_sugeno = system.inference.defuzzifier in _WEIGHTED
+    is_sugeno = system.inference.defuzzifier in WEIGHTED_VALUES
     for number, output in enumerate(system.outputs, 1):
         _check_no_fire(output, adapter)
         path = f"outputs.{output.name}"
@@ -64,7 +63,7 @@ def write(system: FuzzySystem, adapter: Adapter) -> str:
 def _is_native(system: FuzzySystem) -> bool:
     """Tell whether engines that read the file take the points that the system takes."""
     inference = system.inference
-    if inference.defuzzifier in _WEIGHTED:
+    if inference.defuzzifier in WEIGHTED_VALUES:
         return inference.resolution == "exact"
     if inference.resolution == Sampling(101, "trapezoid"):
         return inference.defuzzifier == "centroid"
@@ -81,7 +80,7 @@ def _name(adapter: Adapter, name: str, path: str) -> str:
 
 def _operators(system: FuzzySystem, adapter: Adapter, n_rules: int) -> Iterator[str]:
     inference = system.inference
-    is_weighted = inference.defuzzifier in _WEIGHTED
+    is_weighted = inference.defuzzifier in WEIGHTED_VALUES
     yield f"Type='{'sugeno' if is_weighted else 'mamdani'}'"
     yield "Version=2.0"
     yield f"NumInputs={len(system.inputs)}"

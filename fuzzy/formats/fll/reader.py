@@ -19,7 +19,7 @@ from fuzzy.formats.assembly import (
 from fuzzy.formats.fll import words
 from fuzzy.formats.rule_text import Dialect, ParsedRule, RuleReader, Token
 from fuzzy.formats.source import Source, number, shown
-from fuzzy.system import FuzzySystem, Inference, Input, NoFire, Output, Sampling, Term
+from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Inference, Input, NoFire, Output, Sampling, Term
 from fuzzy.validation import MAX_RULES, MAX_TERMS, MAX_VARIABLES
 
 _BLOCKS = ("Engine", "InputVariable", "OutputVariable", "RuleBlock")
@@ -78,7 +78,7 @@ def read(text: str, name: str) -> Imported:
     parsed, operators = _rules(notes, blocks, inputs, outputs)
     rules = [entry.rule for entry in parsed]
     method = defuzzifier.get("centroid")
-    is_weighted = method in ("weighted_average", "weighted_sum")
+    is_weighted = method in WEIGHTED_VALUES
     resolution = marked_resolution(text, "exact" if is_weighted else sampling.get(Sampling(_RESOLUTION)))
     inference = Inference(
         operators["conjunction"].get("min"),
@@ -252,10 +252,10 @@ def _operators_of_output(
         raise source.error(f"'{shown(block.name)}' has no defuzzifier", token.offset if token else block.offset)
     found = _split(token)
     method = _word(source, found[0], words.DEFUZZIFIERS, "defuzzifier")
-    if method in ("weighted_average", "weighted_sum") and _is(source, block, "lock-range", otherwise=False):
+    if method in WEIGHTED_VALUES and _is(source, block, "lock-range", otherwise=False):
         notes.remark("a weighted average is not limited to the range (lock-range)", block.values["lock-range"].offset)
     defuzzifier.choose(method, f"'{block.name}'", token.offset)
-    if len(found) == 1 or method in ("weighted_average", "weighted_sum"):
+    if len(found) == 1 or method in WEIGHTED_VALUES:
         sampling.choose(Sampling(_RESOLUTION), f"'{block.name}'", token.offset)
         return
     points = number(found[1].text)

@@ -8,7 +8,16 @@ from collections.abc import Iterator
 from fuzzy.errors import InvalidSystemError
 from fuzzy.formats.assembly import resolution_mark
 from fuzzy.formats.fll import words
-from fuzzy.formats.saying import Adapter, bounded, check_inputs, digits, join, named, weighted_aggregation
+from fuzzy.formats.saying import (
+    Adapter,
+    bounded,
+    check_inputs,
+    digits,
+    has_weighted_outputs,
+    join,
+    named,
+    weighted_aggregation,
+)
 from fuzzy.rules import all_rules
 from fuzzy.shapes import (
     Bell,
@@ -54,7 +63,7 @@ def write(system: FuzzySystem, adapter: Adapter) -> str:
     for output in system.outputs:
         lines += [f"OutputVariable: {output.name}", *_output(output, system, adapter)]
     inference = system.inference
-    is_weighted = _is_weighted(system)
+    is_weighted = has_weighted_outputs(system)
     lines += [
         "RuleBlock: rules",
         "  enabled: true",
@@ -67,13 +76,9 @@ def write(system: FuzzySystem, adapter: Adapter) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _is_weighted(system: FuzzySystem) -> bool:
-    return system.inference.defuzzifier in ("weighted_average", "weighted_sum")
-
-
 def _is_native(system: FuzzySystem) -> bool:
     resolution = system.inference.resolution
-    if _is_weighted(system):
+    if has_weighted_outputs(system):
         return resolution == "exact"
     return isinstance(resolution, Sampling) and resolution.rule == "midpoints"
 
@@ -104,11 +109,11 @@ def _bounded(shape: Shape, entry: Variable) -> Shape:
 
 def _output(output: Output, system: FuzzySystem, adapter: Adapter) -> Iterator[str]:
     path = f"outputs.{output.name}"
-    variable = list(_variable(output, adapter, path, is_weighted=_is_weighted(system)))
+    variable = list(_variable(output, adapter, path, is_weighted=has_weighted_outputs(system)))
     yield from variable[:3]
     inference = system.inference
     aggregation = "Maximum" if weighted_aggregation(inference) == "max" else "none"
-    if not _is_weighted(system):
+    if not has_weighted_outputs(system):
         aggregation = adapter.word(words.AGGREGATIONS, inference.aggregation, "inference.aggregation", "max")
     yield f"  aggregation: {aggregation}"
     substitute = {"som_abs": "som", "lom_abs": "lom"}.get(inference.defuzzifier, "centroid")
@@ -122,7 +127,7 @@ def _output(output: Output, system: FuzzySystem, adapter: Adapter) -> Iterator[s
 
 
 def _resolution(system: FuzzySystem, output: Output) -> str:
-    if _is_weighted(system):
+    if has_weighted_outputs(system):
         is_constant = all(isinstance(term.shape, Singleton | Linear) for term in output.terms)
         return " TakagiSugeno" if is_constant else " Tsukamoto"
     resolution = system.inference.resolution

@@ -37,7 +37,7 @@ from fuzzy.shapes import (
     kind,
     parameters,
 )
-from fuzzy.system import FuzzySystem, Is, Output, Rule, Sampling, Term, Variable
+from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Is, Output, Rule, Sampling, Term, Variable
 
 _CONJUNCTIONS = {
     **words.SCHEMA_CONJUNCTIONS,
@@ -65,7 +65,7 @@ def _lines(system: FuzzySystem, adapter: Adapter) -> Iterator[str]:
     for entry in system.inputs:
         yield from _variable(entry, f"inputs.{entry.name}", '"input"', adapter)
     substitute = {"som_abs": "som", "lom_abs": "lom"}.get(inference.defuzzifier, "centroid")
-    is_weighted = inference.defuzzifier in ("weighted_average", "weighted_sum")
+    is_weighted = inference.defuzzifier in WEIGHTED_VALUES
     method = adapter.word(
         words.DEFUZZIFIERS, inference.defuzzifier, "inference.defuzzifier", None if is_weighted else substitute
     )
