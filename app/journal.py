@@ -21,9 +21,8 @@ from typing import IO
 
 import msgspec
 
-from app import durable
 from app.state import AppState, Recovery, Source, Work
-from fuzzy import formats
+from fuzzy import durable, formats
 from fuzzy.errors import FuzzyError
 from fuzzy.validation import validate
 

@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import msgspec
 
-from app import clean, durable
-from fuzzy import formats
+from app import clean
+from fuzzy import durable, formats
 from fuzzy.errors import FormatError, FuzzyError, expected
 from fuzzy.system import FuzzySystem
 

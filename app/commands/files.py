@@ -6,8 +6,6 @@ import contextlib
 import csv
 import io
 import math
-import os
-import secrets
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -18,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from app.commands.failure import CommandError, failure
 from app.commands.rulebases import STANDARD
+from fuzzy import durable
 from fuzzy.errors import expected
 
 
@@ -148,24 +147,12 @@ def output(path: Path) -> Iterator[Path]:
         if (path.exists() and not path.is_file()) or path.is_relative_to("/dev"):
             yield path
             return
-        target = path.resolve()
-        temporary = target.with_name(f".{target.stem[:80]}.{secrets.token_hex(4)}{target.suffix}")
-        try:
+        with durable.replacing(path.resolve()) as temporary:
             yield temporary
-            _flush(temporary)
-            temporary.replace(target)
-        finally:
-            temporary.unlink(missing_ok=True)
     except CommandError:
         raise
     except (OSError, ValueError) as error:
         raise failure(f"the file cannot be written: {_reason(error)}", path) from None
-
-
-def _flush(path: Path) -> None:
-    """Wait until the content is on the disk: a rename must not overtake it."""
-    with path.open("rb+") as file:
-        os.fsync(file.fileno())
 
 
 def _reason(error: Exception) -> str:

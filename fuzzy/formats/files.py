@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import secrets
 import stat
 from pathlib import Path
 
+from fuzzy import durable
 from fuzzy.errors import FormatError
 
 MAX_BYTES = 1 << 20
@@ -55,22 +54,7 @@ def write_bytes(path: Path, content: bytes) -> None:
         FormatError: The file cannot be written; it is as it was.
     """
     try:
-        _write_atomically(path.resolve(), content)
+        with durable.replacing(path.resolve()) as temporary:
+            temporary.write_bytes(content)
     except OSError as error:
         raise FormatError(f"the file cannot be written: {error.strerror or error}", str(path)) from error
-
-
-def _write_atomically(path: Path, content: bytes) -> None:
-    temporary = path.with_name(f".{secrets.token_hex(8)}.part")
-    try:
-        with temporary.open("xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        with contextlib.suppress(FileNotFoundError):
-            temporary.chmod(path.stat().st_mode & 0o777)
-        temporary.replace(path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
-        raise
