@@ -56,7 +56,7 @@ Defuzzifier = Literal[
     "weighted_average",
     "weighted_sum",
 ]
-SamplingRule = Literal["midpoints", "endpoints", "left", "trapezoid", "left_with_break_points"]
+SamplingRule = Literal["midpoints", "endpoints", "left", "trapezoid", "left_with_break_points", "polygon"]
 Hedge = Literal["very", "extremely", "somewhat", "more_or_less", "plus", "intensify", "seldom", "any"]
 OutOfRange = Literal["clamp", "reject"]
 NoFirePolicy = Literal["default", "hold", "midpoint", "nan"]
@@ -184,7 +184,8 @@ class Sampling(msgspec.Struct, frozen=True):
 
     ``midpoints`` of N intervals; ``endpoints``, N points with both ends; ``left``, the left ends of N intervals;
     ``trapezoid``, N points with both ends, of which these count half; ``left_with_break_points``, the left ends of N
-    intervals and all points at which a set of the output bends.
+    intervals and all points at which a set of the output bends; ``polygon``, straight lines through N points with both
+    ends and through the points where sets that are straight between them are clipped.
     """
 
     points: int

@@ -23,6 +23,7 @@ OPERATORS = (
     Inference("product", "algebraic_sum", "product", "sum"),
     Inference(resolution=Sampling(50)),
     Inference("product", aggregation="sum", resolution=Sampling(51, "endpoints")),
+    Inference(resolution=Sampling(52, "polygon")),
 )
 
 

@@ -394,6 +394,10 @@ def sampled_with_numpy(system: FuzzySystem, output: Output, conclusions: list[Co
     """Return the sampled output as a line of numpy would have it."""
     resolution = system.inference.resolution
     assert isinstance(resolution, Sampling)
+    if not conclusions:
+        return None
+    if resolution.rule == "polygon":
+        return _of_polygon(system, conclusions, np.linspace(output.low, output.high, resolution.points))
     n, low, high = resolution.points, output.low, output.high
     weight = np.ones(n)
     match resolution.rule:
@@ -409,16 +413,55 @@ def sampled_with_numpy(system: FuzzySystem, output: Output, conclusions: list[Co
                 bent = [x for term in output.terms for x in locations(term.shape) if low <= x <= high]
                 u = np.union1d(_added_up_in_single_precision(low, high, n), bent)
                 weight = np.ones(u.size)
-    if not conclusions:
-        return None
     degrees = numpy_aggregated(system, conclusions, u)
     if system.inference.defuzzifier in MAXIMA:
-        top = u[degrees >= degrees.max() * (1 - 1e-12)]
-        chosen = {"mom": top.mean(), "som": top[0], "lom": top[-1]}
-        chosen |= {"som_abs": top[abs(top).argmin()], "lom_abs": top[abs(top).argmax()]}
-        return float(chosen[system.inference.defuzzifier]) if degrees.max() > 0 else None
+        return _top(system.inference.defuzzifier, u, degrees)
     total = weight * degrees
     return float((u * total).sum() / total.sum()) if total.sum() > 0 else None
+
+
+def _top(which: str, u: np.ndarray, degrees: np.ndarray) -> float | None:
+    top = u[degrees >= degrees.max() * (1 - 1e-12)]
+    chosen = {"mom": top.mean(), "som": top[0], "lom": top[-1]}
+    chosen |= {"som_abs": top[abs(top).argmin()], "lom_abs": top[abs(top).argmax()]}
+    return float(chosen[which]) if degrees.max() > 0 else None
+
+
+def _of_polygon(system: FuzzySystem, conclusions: list[Conclusion], u: np.ndarray) -> float | None:
+    """Return what scikit-fuzzy does: cut every set that is known at u, and join the points that it then knows."""
+    implication, joined = system.inference.implication, reference.aggregation(system)
+    if joined == ("min" if implication == "kleene_dienes" else "max"):
+        conclusions = [max(same, key=lambda entry: entry[0]) for same in _by_term(conclusions)]
+    known = [(float(strength), numpy_degrees(term, u)) for strength, term in conclusions]
+    points = set(u.tolist())
+    for w, degrees in known:
+        levels = {"min": w, "product": None, "einstein_product": None, "hamacher_product": None}
+        level = levels.get(implication, 1.0 - w)
+        if level is None or implication in {"drastic_product", "algebraic_sum"}:
+            continue
+        for i in np.flatnonzero((degrees[:-1] - level) * (degrees[1:] - level) < 0):
+            points.add(float(u[i] + (level - degrees[i]) / (degrees[i + 1] - degrees[i]) * (u[i + 1] - u[i])))
+    x = np.array(sorted(points))
+    is_tiny = all(w < 1e-200 for w, _ in known) and implication in {"min", "product"}
+    rows = [
+        (2.0**600 if is_tiny else 1.0) * _NUMPY_IMPLICATIONS[implication](w, np.interp(x, u, degrees))
+        for w, degrees in known
+    ]
+    total = rows[0]
+    for row in rows[1:]:
+        total = _NUMPY_AGGREGATIONS[joined](total, row)
+    if system.inference.defuzzifier in MAXIMA:
+        return _top(system.inference.defuzzifier, x, total)
+    pieces = list(zip(x[:-1].tolist(), x[1:].tolist(), total[:-1].tolist(), total[1:].tolist(), strict=True))
+    found = _of_pieces(system.inference.defuzzifier, pieces)
+    return None if found is None else float(found)
+
+
+def _by_term(conclusions: list[Conclusion]) -> list[list[Conclusion]]:
+    found: dict[str, list[Conclusion]] = {}
+    for entry in conclusions:
+        found.setdefault(entry[1].name, []).append(entry)
+    return list(found.values())
 
 
 def _added_up_in_single_precision(low: float, high: float, n: int) -> list[float]:

@@ -71,19 +71,20 @@ def method(inference: Inference, traits: Traits) -> int:
         and inference.implication in _STRAIGHT_IMPLICATIONS
         and aggregation(inference) in _STRAIGHT_AGGREGATIONS
     )
-    is_sampled = isinstance(inference.resolution, Sampling)
+    resolution = inference.resolution
+    is_polygon = isinstance(resolution, Sampling) and resolution.rule == "polygon"
     match defuzzifier:
         case "centroid" | "center_of_sums":
-            if is_sampled:
-                return codes.SAMPLED
+            if isinstance(resolution, Sampling):
+                return codes.POLYGON_CENTROID if is_polygon else codes.SAMPLED
             return _centroid(inference, traits) if is_straight else codes.QUADRATURE
         case "bisector":
-            if is_sampled:
-                return codes.SAMPLED_BISECTOR
+            if isinstance(resolution, Sampling):
+                return codes.POLYGON_BISECTOR if is_polygon else codes.SAMPLED_BISECTOR
             return codes.LINEAR_BISECTOR if is_straight else codes.CURVED_BISECTOR
         case "mom" | "som" | "lom" | "som_abs" | "lom_abs":
-            if is_sampled:
-                return codes.SAMPLED_MAXIMA
+            if isinstance(resolution, Sampling):
+                return codes.POLYGON_MAXIMA if is_polygon else codes.SAMPLED_MAXIMA
             return codes.LINEAR_MAXIMA if is_straight else codes.CURVED_MAXIMA
         case "height" | "weighted_average" | "weighted_sum":
             raise AssertionError(defuzzifier)

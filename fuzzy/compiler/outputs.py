@@ -166,7 +166,7 @@ def _samples(output: Output, resolution: object, knots: tuple[float, ...]) -> Nu
     match resolution.rule:
         case "midpoints":
             place = low + (np.arange(n) + 0.5) * (high - low) / n
-        case "endpoints":
+        case "endpoints" | "polygon":
             place = low + np.arange(n) * (high - low) / (n - 1)
         case "trapezoid":
             place = low + np.arange(n) * (high - low) / (n - 1)

@@ -108,6 +108,8 @@ def defuzzification(system: FuzzySystem, shapes: Shapes) -> Code:
     if inference.defuzzifier not in ("centroid", "center_of_sums"):
         raise _refused(f"the defuzzifier '{inference.defuzzifier}'", "inference.defuzzifier")
     if isinstance(inference.resolution, Sampling):
+        if inference.resolution.rule == "polygon":
+            raise _refused("centroid of a polygon", "inference.resolution.rule")
         return _sampled(system, shapes)
     if not all(sets.is_linear(term) for output in system.outputs for term in output.terms):
         raise _refused("an exact centroid of curved sets", "inference.resolution")

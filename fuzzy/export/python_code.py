@@ -85,6 +85,8 @@ def _output(system: FuzzySystem, number: int) -> dict[str, Any]:
         raise _refused(f"defuzzifier '{inference.defuzzifier}'", "inference.defuzzifier")
     joined = methods.aggregation(inference)
     if isinstance(inference.resolution, Sampling):
+        if inference.resolution.rule == "polygon":
+            raise _refused("centroid of a polygon", "inference.resolution.rule")
         if inference.implication not in standalone.T_NORMS or joined not in standalone.S_NORMS:
             raise _refused(f"'{inference.implication}' with '{joined}'", "inference")
         tables, _ = compile_outputs(system.outputs, inference)

@@ -60,6 +60,10 @@ CURVED_MAXIMA = 11
 SAMPLED_BISECTOR = 12
 SAMPLED_MAXIMA = 13
 """Methods of an output: over samples, as other engines do."""
+POLYGON_CENTROID = 14
+POLYGON_BISECTOR = 15
+POLYGON_MAXIMA = 16
+"""Methods of an output: the polygon through samples and the points where sets are clipped, as scikit-fuzzy does."""
 
 MEAN = 0
 SMALLEST = 1

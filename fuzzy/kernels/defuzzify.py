@@ -22,6 +22,9 @@ DEFUZZIFIERS = {
     codes.CURVED_MAXIMA: curves.maximum,
     codes.SAMPLED_BISECTOR: sampled.bisector,
     codes.SAMPLED_MAXIMA: sampled.maximum,
+    codes.POLYGON_CENTROID: sampled.polygon_centroid,
+    codes.POLYGON_BISECTOR: sampled.polygon_bisector,
+    codes.POLYGON_MAXIMA: sampled.polygon_maximum,
 }
 """The kernel of each method: f(address, output) -> crisp output, NaN where it is undefined."""
 

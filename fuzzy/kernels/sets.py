@@ -15,6 +15,12 @@ def implied(address, member, u, scale):
     degree = membership.degree(outputs.shape[k], outputs.parameter[k], outputs.value, u)
     level = workspace.level[member]
     code = outputs.implication[0]
+    return imply(code, level, degree, scale)
+
+
+@borrowing_kernel
+def imply(code, level, degree, scale):
+    """Return what a rule of strength ``level`` makes of a degree of its consequent's set, times ``scale``."""
     # A level may be so small that the product of the two underflows: the scale comes first.
     if code == MIN:
         return scale * min(level, degree)
@@ -43,13 +49,17 @@ def joined(address, start, end, u, scale):
         return 0.0
     total = implied(address, start, u, scale)
     for n in range(start + 1, end):
-        degree = implied(address, n, u, scale)
-        if code == MAX:
-            total = max(total, degree)
-        elif code == SUM:
-            total += degree
-        elif code == LEAST:
-            total = min(total, degree)
-        else:
-            total = norms.aggregation(code, total, degree)
+        total = join(code, total, implied(address, n, u, scale))
     return total
+
+
+@borrowing_kernel
+def join(code, total, degree):
+    """Return the aggregate of two degrees."""
+    if code == MAX:
+        return max(total, degree)
+    if code == SUM:
+        return total + degree
+    if code == LEAST:
+        return min(total, degree)
+    return norms.aggregation(code, total, degree)

@@ -64,7 +64,7 @@ class OutputTables(NamedTuple):
     maximum: Integers  # (1,) MEAN ... LARGEST_MAGNITUDE
     sample_start: Integers  # (n_out + 1,) first sample of each output
     sample: Numbers  # (n_samples, 2) place and weight
-    method: Integers  # (n_out,) CLIPPED ... SAMPLED_MAXIMA
+    method: Integers  # (n_out,) CLIPPED ... POLYGON_MAXIMA
     no_fire: Integers  # (n_out,) DEFAULT or HOLD
     no_fire_value: Numbers  # (n_out,)
     neighbour: Integers  # (n_terms,) the term to the right that overlaps this one, -1 for none

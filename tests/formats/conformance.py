@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,9 +13,9 @@ import pytest
 import yaml
 from numpy.typing import NDArray
 
-from fuzzy import formats
+from fuzzy import formats, sets
 from fuzzy.shapes import Triangle
-from fuzzy.system import And, FuzzySystem, Inference, Input, Is, NoFire, Output, Rule, RuleBase, Term
+from fuzzy.system import And, FuzzySystem, Inference, Input, Is, NoFire, Output, Rule, RuleBase, Sampling, Term
 
 SUFFIXES = (".fis", ".fll", ".fcl", ".xml")
 
@@ -101,4 +102,18 @@ def _from_transcript(path: Path) -> FuzzySystem:
         )
         for rule in document["rules"]
     )
-    return FuzzySystem(path.parent.name, inputs, outputs, RuleBase(None, rules), Inference())
+    (output,) = outputs
+    resolution = Sampling(_points_of_universe(document, output), "polygon")
+    return FuzzySystem(path.parent.name, inputs, outputs, RuleBase(None, rules), Inference(resolution=resolution))
+
+
+def _points_of_universe(document: dict[str, Any], output: Output) -> int:
+    """Return the number of points at which the sets are known: those that are stated, or all that sets bend at."""
+    stated = re.match(r"numpy\.arange\((\S+), (\S+), (\S+)\)", document.get("universe", ""))
+    if stated:
+        universe = np.arange(*(float(value) for value in stated.groups()))
+    else:
+        bends = {point for term in output.terms for point in sets.break_points(term)}
+        universe = np.array(sorted(point for point in bends if output.low <= point <= output.high))
+    np.testing.assert_allclose(universe, np.linspace(output.low, output.high, universe.size), atol=1e-12)
+    return universe.size

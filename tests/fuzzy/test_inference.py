@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any, get_args
 
@@ -141,8 +142,13 @@ def test_all_operators_over_curved_sets_are_integrated(implication, aggregation)
         check_many(systems, seed, JUMPING if jumps else CURVED, calls=1)
 
 
-@pytest.mark.parametrize("rule", get_args(SamplingRule))
-@pytest.mark.parametrize("defuzzifier", ["centroid", "center_of_sums", *reference_sets.MAXIMA])
+@pytest.mark.parametrize(
+    ("rule", "defuzzifier"),
+    [
+        *itertools.product(get_args(SamplingRule), ("centroid", "center_of_sums", *reference_sets.MAXIMA)),
+        ("polygon", "bisector"),
+    ],
+)
 @pytest.mark.parametrize("curved", [False, True])
 def test_samples_are_what_numpy_computes(rule, defuzzifier, curved):
     random = np.random.default_rng(7)
