@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Iterable
 
-from fuzzy.errors import expected
+from fuzzy.errors import expected, shown
 from fuzzy.formats import READABLE
 
 MAX_NAME = 64
@@ -29,7 +29,7 @@ def number(value: object, low: float, high: float, what: str = "the value") -> f
     """Return ``value`` as a float if it is a finite number in [``low``, ``high``]."""
     valid = f"valid is a number from {low:g} to {high:g}"
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise Refused(f"{what} is {_shown(value)}; {valid}")
+        raise Refused(f"{what} is {_described(value)}; {valid}")
     try:
         converted = float(value)
     except OverflowError:
@@ -44,14 +44,14 @@ def choice(value: object, valid: Iterable[str], what: str = "the choice") -> str
     names = list(valid)
     if isinstance(value, str) and value in names:
         return value
-    raise Refused(f"{what} is {expected(value[:MAX_NAME] if isinstance(value, str) else _shown(value), names)}")
+    raise Refused(f"{what} is {expected(shown(value) if isinstance(value, str) else _described(value), names)}")
 
 
 def flag(value: object, what: str = "the switch") -> bool:
     """Return ``value`` if it is true or false."""
     if isinstance(value, bool):
         return value
-    raise Refused(f"{what} is {_shown(value)}; valid are true and false")
+    raise Refused(f"{what} is {_described(value)}; valid are true and false")
 
 
 def name(value: object, what: str = "the name") -> str:
@@ -62,14 +62,14 @@ def name(value: object, what: str = "the name") -> str:
     if len(cleaned) > MAX_NAME:
         raise Refused(f"{what} has {len(cleaned)} characters; valid are 1 to {MAX_NAME}")
     if not cleaned.isprintable():
-        raise Refused(f"{what} is {_shown(cleaned)}; control and other unprintable characters are not valid")
+        raise Refused(f"{what} is {_described(cleaned)}; control and other unprintable characters are not valid")
     return cleaned
 
 
 def text(value: object, most: int, what: str = "the text") -> str:
     """Return ``value`` if it is text of at most ``most`` characters that can be written as UTF-8."""
     if not isinstance(value, str):
-        raise Refused(f"{what} is {_shown(value)}; valid is text")
+        raise Refused(f"{what} is {_described(value)}; valid is text")
     if len(value) > most:
         raise Refused(f"{what} has {len(value)} characters; valid are at most {most}")
     if any("\ud800" <= character <= "\udfff" for character in value):
@@ -83,7 +83,7 @@ def file_name(value: object, what: str = "the file name") -> str:
     if re.fullmatch(rf"(?!\.)[A-Za-z0-9._-]{{1,{MAX_NAME}}}", plain) and plain.endswith(".yaml"):
         return plain
     raise Refused(
-        f"{what} is {_shown(plain)}; valid are at most {MAX_NAME} of the characters A-Z a-z 0-9 . _ - "
+        f"{what} is {_described(plain)}; valid are at most {MAX_NAME} of the characters A-Z a-z 0-9 . _ - "
         "that end in .yaml and do not begin with a dot"
     )
 
@@ -94,7 +94,7 @@ def upload_name(value: object, what: str = "the file name") -> str:
     if re.fullmatch(rf"(?!\.)[^/\\:\x00-\x1f\x7f]{{1,{MAX_NAME}}}", plain) and plain.lower().endswith(READABLE):
         return plain
     raise Refused(
-        f"{what} is {_shown(plain)}; valid are at most {MAX_NAME} characters without / \\ : that end in "
+        f"{what} is {_described(plain)}; valid are at most {MAX_NAME} characters without / \\ : that end in "
         f"{' '.join(READABLE)} and do not begin with a dot"
     )
 
@@ -103,18 +103,14 @@ def upload(name: object, content: object) -> tuple[str, bytes]:
     """Return name and content of an uploaded file if both can be used."""
     plain = upload_name(name)
     if not isinstance(content, bytes):
-        raise Refused(f"the content of {plain} is {_shown(content)}; valid are bytes")
+        raise Refused(f"the content of {plain} is {_described(content)}; valid are bytes")
     if len(content) > MAX_UPLOAD:
         raise Refused(f"{plain} has {len(content)} bytes; valid are at most {MAX_UPLOAD}")
     return plain, content
 
 
-def _shown(value: object) -> str:
-    """Return a short repr for a message; never the whole of something large."""
-    if isinstance(value, (str, bytes)):
-        text = repr(value[:41])
-    elif isinstance(value, (bool, type(None), float)):
-        text = repr(value)
-    else:
-        return f"of type {type(value).__name__}"
-    return text if len(text) <= 48 else f"{text[:40]}…"
+def _described(value: object) -> str:
+    """Return what a message says of a value; never the whole of something large."""
+    if isinstance(value, str):
+        return f"'{shown(value)}'"
+    return repr(value) if isinstance(value, (bool, type(None), float)) else f"of type {type(value).__name__}"

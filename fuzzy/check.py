@@ -14,8 +14,9 @@ from fuzzy.consistency import consistency
 from fuzzy.errors import InvalidSystemError
 from fuzzy.finding import Finding
 from fuzzy.formats.yaml import nearest
+from fuzzy.language import format_expression
 from fuzzy.partition import order
-from fuzzy.rules import all_rules, format_expression, propositions
+from fuzzy.rules import all_rules, propositions
 from fuzzy.system import And, Expression, FuzzySystem, Hedged, Is, Not, Or, Output, Rule, RuleTable, Variable
 from fuzzy.validation import validate
 

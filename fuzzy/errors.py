@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 from collections.abc import Iterable
+
+_MAX_SHOWN = 40
+"""Characters of a text that a message quotes."""
 
 
 class FuzzyError(ValueError):
@@ -56,3 +60,9 @@ def expected(found: object, valid: Iterable[str]) -> str:
     close = difflib.get_close_matches(str(found).casefold(), folded, n=1)
     hint = f"did you mean '{folded[close[0]]}'? " if close else ""
     return f"'{found}'; {hint}valid: {', '.join(names) or 'none'}"
+
+
+def shown(text: str) -> str:
+    """Return a text as errors show it: not too long, on one line."""
+    visible = "".join(letter if letter.isprintable() else "?" for letter in itertools.islice(text, _MAX_SHOWN))
+    return visible if len(text) <= _MAX_SHOWN else f"{visible}…"

@@ -11,6 +11,7 @@ from msgspec.structs import replace
 
 from fuzzy import rules, sets, shapes
 from fuzzy.errors import InvalidSystemError, expected
+from fuzzy.invariants import validate_shape
 from fuzzy.shapes import Linear, Points
 from fuzzy.system import (
     And,
@@ -214,7 +215,7 @@ def _check_variable(variable: Variable, path: str) -> None:
     for term in variable.terms:
         place = f"{path}.terms.{term.name}"
         _check_name(term.name, place, "a term's name")
-        shapes.validate(term.shape, place)
+        validate_shape(term.shape, place)
         if isinstance(term.shape, Linear) and not isinstance(variable, Output):
             raise InvalidSystemError("a linear function is no set: only an output of a Sugeno system has such", place)
         if any(math.isfinite(value) and abs(value) > MAX_VALUE for value in shapes.parameters(term.shape)):

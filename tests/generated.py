@@ -12,6 +12,7 @@ from msgspec.structs import replace
 from fuzzy import sets
 from fuzzy.conversion import converted
 from fuzzy.errors import InvalidSystemError
+from fuzzy.invariants import validate_shape
 from fuzzy.shapes import (
     SHAPES,
     Gaussian,
@@ -23,7 +24,6 @@ from fuzzy.shapes import (
     Triangle,
     kind,
     locations,
-    validate,
 )
 from fuzzy.system import (
     And,
@@ -101,7 +101,7 @@ def _other(random: Generator, variable: Input | Output, term: Term, *, curved: b
     kinds = CURVED_KINDS if curved and random.random() < 0.5 else STRAIGHT_KINDS
     try:
         found = converted(term.shape, _one(random, kinds))
-        validate(found)
+        validate_shape(found)
     except InvalidSystemError:  # a set without width cannot take every shape
         found = term.shape
     if isinstance(found, Points) and random.random() < 0.5:

@@ -11,7 +11,8 @@ from fuzzy import sets
 from fuzzy import system as document
 from fuzzy.conversion import converted
 from fuzzy.errors import InvalidSystemError
-from fuzzy.shapes import SHAPES, Gaussian, Shape, Trapezoid, Triangle, kind, parameters, validate
+from fuzzy.invariants import validate_shape
+from fuzzy.shapes import SHAPES, Gaussian, Shape, Trapezoid, Triangle, kind, parameters
 from fuzzy.system import (
     And,
     Expression,
@@ -159,7 +160,7 @@ def _varied(draw: st.DrawFn, term: Term, ends: tuple[float, float], needs_area: 
     """The term with a set of any kind, with a height, or as a complement."""
     try:
         shape = converted(term.shape, draw(st.sampled_from([kind(each) for each in SHAPES])))
-        validate(shape)
+        validate_shape(shape)
         if any(math.isfinite(value) and abs(value) > 1e9 for value in parameters(shape)):
             shape = term.shape
     except InvalidSystemError:  # a set without width cannot take every shape

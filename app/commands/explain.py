@@ -74,7 +74,7 @@ def _inputs(values: tuple[str, ...], names: list[str]) -> list[float]:
 
 
 def _as_builtins(trace: Trace) -> dict[str, Any]:
-    from fuzzy.rules import format_rule
+    from fuzzy.language import format_rule
 
     return {
         "inputs": trace.inputs,
@@ -91,7 +91,7 @@ def _as_builtins(trace: Trace) -> dict[str, Any]:
 
 
 def _print(system: FuzzySystem, trace: Trace) -> None:
-    from fuzzy.rules import format_rule
+    from fuzzy.language import format_rule
 
     units = {variable.name: f" {variable.unit}".rstrip() for variable in (*system.inputs, *system.outputs)}
     for name, value in trace.inputs.items():

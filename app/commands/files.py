@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from app.commands.failure import CommandError, failure
 from app.commands.rulebases import STANDARD
 from fuzzy import durable
-from fuzzy.errors import expected
+from fuzzy.errors import expected, shown
 
 
 class Columns(NamedTuple):
@@ -100,8 +100,9 @@ def _number(path: Path, line: int, row: list[str], place: int) -> float:
         number = math.nan
     if math.isfinite(number) and "_" not in row[place]:
         return number
-    shown = repr(row[place][:40])
-    raise failure(f"field {place + 1} is {shown}; valid is a finite number", path, line, _column(row, place))
+    raise failure(
+        f"field {place + 1} is '{shown(row[place])}'; valid is a finite number", path, line, _column(row, place)
+    )
 
 
 def _column(row: list[str], place: int) -> int:

@@ -57,6 +57,7 @@ def infer(
 
 def _resolution(text: str) -> Literal["exact"] | Sampling:
     from app.commands.failure import UsageError
+    from fuzzy.errors import shown
     from fuzzy.system import Sampling
     from fuzzy.validation import MAX_POINTS, MIN_POINTS
 
@@ -64,4 +65,6 @@ def _resolution(text: str) -> Literal["exact"] | Sampling:
         return "exact"
     if len(text) < 10 and text.isdecimal() and text.isascii() and MIN_POINTS <= int(text) <= MAX_POINTS:
         return Sampling(int(text))
-    raise UsageError(f"resolution '{text[:40]}'; valid: exact, or a number of points from {MIN_POINTS} to {MAX_POINTS}")
+    raise UsageError(
+        f"resolution '{shown(text)}'; valid: exact, or a number of points from {MIN_POINTS} to {MAX_POINTS}"
+    )

@@ -119,7 +119,7 @@ def _scenario(name: str, disturbance: str | None, seed: int, mismatch: tuple[str
 
 def _mismatch(words: tuple[str, ...]) -> Mismatch:
     """Return the factors that words like ``stiffness=+30%`` say."""
-    from fuzzy.errors import expected
+    from fuzzy.errors import expected, shown
     from robot.scenario import Mismatch
 
     factors: dict[str, float] = {}
@@ -130,7 +130,7 @@ def _mismatch(words: tuple[str, ...]) -> Mismatch:
         if name in factors:
             raise UsageError(f"--mismatch gives '{name}' twice")
         if not re.fullmatch(r"[+-]?\d{1,6}(\.\d{0,9})?%", text, re.ASCII):
-            raise UsageError(f"--mismatch {word[:40]}; valid is a percentage such as {name}=+30%")
+            raise UsageError(f"--mismatch {shown(word)}; valid is a percentage such as {name}=+30%")
         factors[name] = 1 + float(text[:-1]) / 100
     return Mismatch(**factors)
 

@@ -15,7 +15,7 @@ from app.store import Dispatch
 from app.widgets import coordinate_label, div, escape, number, on_input
 from fuzzy.analysis import Contribution, Contributions, contributions, stepped
 from fuzzy.inference import Controller
-from fuzzy.rules import format_expression
+from fuzzy.language import format_expression
 from fuzzy.system import FuzzySystem
 
 _PERIOD = 0.2

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from fuzzy import conversion, partition, shapes
 from fuzzy.edits.access import changed, find, mapped_cells, mapped_rule, path_of, term_number
 from fuzzy.errors import InvalidSystemError, expected
+from fuzzy.invariants import validate_shape
 from fuzzy.rules import all_rules, propositions
 from fuzzy.shapes import Linear, Shape, Triangle
 from fuzzy.system import FuzzySystem, Is, Output, RuleBase, Term
@@ -130,7 +131,7 @@ def _toggled(shape: Shape, side: Side, width: float) -> Shape | None:
     for name in names if side == "left" else reversed(names):
         opened = shapes.with_parameter(shape, name, infinity)
         try:
-            shapes.validate(opened)
+            validate_shape(opened)
         except InvalidSystemError:
             continue
         return opened

@@ -18,7 +18,8 @@ from fuzzy.export.c_functions import (
     one_argument_function,
     two_argument_function,
 )
-from fuzzy.rules import all_rules, format_rule
+from fuzzy.language import format_rule
+from fuzzy.rules import all_rules
 from fuzzy.system import And, Expression, FuzzySystem, Hedged, Is, Not, Or
 from fuzzy.validation import validate
 

@@ -15,8 +15,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from fuzzy.errors import FormatError, expected
-from fuzzy.formats.source import Source, number, shown
+from fuzzy.errors import FormatError, expected, shown
+from fuzzy.formats.source import Source, number
 from fuzzy.rules import MAX_PROPOSITIONS
 from fuzzy.system import And, Expression, Hedged, Input, Is, Not, Or, Output, Rule
 

@@ -6,7 +6,6 @@ Shared by the readers of other engines' formats; YAML has a tree of its own (:mo
 from __future__ import annotations
 
 import bisect
-import itertools
 import math
 import re
 
@@ -15,7 +14,6 @@ from fuzzy.errors import FormatError
 MAX_NUMBER = 64
 """Greatest length of a number's text."""
 
-_MAX_SHOWN = 40
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?", re.ASCII)
 _NOT_FINITE = {"inf": math.inf, "+inf": math.inf, "-inf": -math.inf, "nan": math.nan, "-nan": math.nan}
 _LINE_END = re.compile(r"\r\n|\r|\n")
@@ -79,9 +77,3 @@ def number(text: str) -> float | None:
     if _NUMBER.fullmatch(text):
         return float(text.replace("d", "e").replace("D", "e"))
     return _NOT_FINITE.get(text.lower())
-
-
-def shown(text: str) -> str:
-    """Return a text as errors show it: not too long, on one line."""
-    visible = "".join(letter if letter.isprintable() else "?" for letter in itertools.islice(text, _MAX_SHOWN))
-    return visible if len(text) <= _MAX_SHOWN else f"{visible}…"

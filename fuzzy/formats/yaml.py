@@ -10,11 +10,11 @@ import msgspec
 
 from fuzzy import shapes
 from fuzzy import system as document
-from fuzzy.errors import FormatError, InvalidSystemError, expected
+from fuzzy.errors import FormatError, InvalidSystemError, expected, shown
 from fuzzy.formats import yaml_tree
 from fuzzy.formats import yaml_values as values
 from fuzzy.formats.yaml_tree import Node
-from fuzzy.rules import parse_rule
+from fuzzy.language import parse_rule
 from fuzzy.shapes import Shape
 from fuzzy.system import (
     SCHEMA,
@@ -122,7 +122,7 @@ def _check_schema(root: Node) -> None:
         and int(found_version) > int(version)
     ):
         raise node.error(f"'{found}' is newer than this program, which reads up to {SCHEMA}")
-    raise node.error(f"unknown schema '{yaml_tree.shown(found)}'; valid: {SCHEMA}")
+    raise node.error(f"unknown schema '{shown(found)}'; valid: {SCHEMA}")
 
 
 def _input(name: str, node: Node) -> Input:
@@ -163,7 +163,7 @@ def _term(name: str, node: Node) -> Term:
         raise node.error(f"expected one shape such as {{triangle: [-1, 0, 1]}}, found {len(kinds)}")
     ((word, parameters),) = kinds.items()
     if word not in _SHAPES:
-        raise parameters.key_error(f"unknown shape {expected(yaml_tree.shown(word), (*_SHAPES, *_TERM_KEYS))}")
+        raise parameters.key_error(f"unknown shape {expected(shown(word), (*_SHAPES, *_TERM_KEYS))}")
     height = values.number(found["height"]) if "height" in found else 1.0
     complement = "complement" in found and values.choice(found["complement"], ("true", "false")) == "true"
     return Term(name, _shape(word, parameters), height, complement)
@@ -231,7 +231,7 @@ def _table(node: Node, system: FuzzySystem) -> RuleTable:
     cells = values.entries(found["cells"], f"a row of cells for each term of '{rows}'")
     for name, row in cells.items():
         if name not in row_terms:
-            raise row.key_error(f"unknown term of '{rows}': {expected(yaml_tree.shown(name), row_terms)}")
+            raise row.key_error(f"unknown term of '{rows}': {expected(shown(name), row_terms)}")
     for name in row_terms:
         if name not in cells:
             raise found["cells"].key_error(f"the row of the term '{name}' of '{rows}' is missing")
@@ -243,7 +243,7 @@ def _table(node: Node, system: FuzzySystem) -> RuleTable:
 def _named(node: Node, variables: dict[str, Any]) -> str:
     name = values.text(node, "the name of a variable")
     if name not in variables:
-        raise node.error(f"unknown variable {expected(yaml_tree.shown(name), variables)}")
+        raise node.error(f"unknown variable {expected(shown(name), variables)}")
     return name
 
 
@@ -260,7 +260,7 @@ def _cell(node: Node, output: str, terms: list[str]) -> str | None:
         return None
     name = values.text(node, f"a term of '{output}' or ~")
     if name not in terms:
-        raise node.error(f"unknown term of '{output}': {expected(yaml_tree.shown(name), terms)}; ~ is no rule")
+        raise node.error(f"unknown term of '{output}': {expected(shown(name), terms)}; ~ is no rule")
     return name
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import yaml
 
-from fuzzy.errors import FormatError
+from fuzzy.errors import FormatError, shown
 
 MAX_LEVELS = 12
 """Greatest nesting of mappings and lists; the schema needs six."""
@@ -126,11 +126,6 @@ def describe(node: Node) -> str:
             if node.is_plain and value == "":
                 return "nothing"
             return f"'{shown(value)}'" if node.is_plain else f"the text '{shown(value)}'"
-
-
-def shown(value: str) -> str:
-    """Return a text short enough for a message."""
-    return value if len(value) <= 40 else f"{value[:40]}…"
 
 
 def _raw_offset(raw: str, offset: int) -> int:

@@ -9,8 +9,8 @@ import math
 import re
 from collections.abc import Iterable
 
-from fuzzy.errors import expected
-from fuzzy.formats.yaml_tree import Node, describe, shown
+from fuzzy.errors import expected, shown
+from fuzzy.formats.yaml_tree import Node, describe
 
 _MAX_NUMBER = 64
 """Greatest length of a number's text."""

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from fuzzy import shapes
 from fuzzy.formats.yaml import OPERATOR_KEYS
-from fuzzy.rules import format_rule
+from fuzzy.language import format_rule
 from fuzzy.shapes import Points, Shape
 from fuzzy.system import SCHEMA, FuzzySystem, Inference, Input, Output, RuleTable, Sampling, Term, Variable
 

@@ -15,7 +15,8 @@ from app.state import AppState, DesignChanged, Selected
 from fuzzy import edits
 from fuzzy.edits import Grid
 from fuzzy.formats import save
-from fuzzy.rules import all_rules, format_rule, parse_rule
+from fuzzy.language import format_rule, parse_rule
+from fuzzy.rules import all_rules
 from fuzzy.shapes import Triangle
 from fuzzy.system import FuzzySystem, Input, Is, RuleBase, Term
 from tests.app.test_views import DIAGONAL, PILTAN, Screen, finished, frame_of, simulated, strengths

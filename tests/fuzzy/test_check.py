@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from fuzzy import edits
 from fuzzy.check import check, gaps, locate
 from fuzzy.formats import dumps, load, save
-from fuzzy.rules import parse_rule
+from fuzzy.language import parse_rule
 from fuzzy.shapes import Gaussian, Trapezoid, Triangle
 from fuzzy.system import FuzzySystem, Input, RuleBase, Sampling, Term
 from tests import plain, strategies

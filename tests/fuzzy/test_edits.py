@@ -13,7 +13,8 @@ from msgspec.structs import replace
 from fuzzy import edits, patterns
 from fuzzy.errors import InvalidSystemError
 from fuzzy.formats import load
-from fuzzy.rules import all_rules, format_rule, parse_rule, propositions
+from fuzzy.language import format_rule, parse_rule
+from fuzzy.rules import all_rules, propositions
 from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle, parameter_names, parameters
 from fuzzy.system import FuzzySystem, Input, Is, NoFire, Output, RuleBase, Sampling, Term
 from fuzzy.validation import validate

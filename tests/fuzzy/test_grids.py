@@ -14,7 +14,8 @@ from fuzzy import edits, patterns
 from fuzzy.edits import Grid
 from fuzzy.errors import InvalidSystemError
 from fuzzy.formats import load
-from fuzzy.rules import all_rules, parse_rule
+from fuzzy.language import parse_rule
+from fuzzy.rules import all_rules
 from fuzzy.shapes import Triangle
 from fuzzy.system import FuzzySystem, Input, Is, RuleBase, Term
 from tests import strategies

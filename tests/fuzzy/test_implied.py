@@ -9,8 +9,8 @@ from msgspec.structs import replace
 
 import fuzzy
 from fuzzy.formats import load
+from fuzzy.language import parse_rule
 from fuzzy.operators import implied
-from fuzzy.rules import parse_rule
 from fuzzy.system import Implication, RuleBase, Sampling
 
 DIAGONAL = load(Path(__file__).parents[2] / "rulebases" / "diagonal.yaml")

@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzy.errors import FormatError
-from fuzzy.rules import MAX_DEPTH, MAX_PROPOSITIONS, all_rules, depth, format_rule, parse_rule, table_rule_indices
+from fuzzy.language import format_rule, parse_rule
+from fuzzy.rules import MAX_DEPTH, MAX_PROPOSITIONS, all_rules, depth, table_rule_indices
 from fuzzy.shapes import Triangle
 from fuzzy.system import And, FuzzySystem, Hedged, Input, Is, Not, Or, Output, Rule, RuleBase, Term
 from tests import strategies
@@ -86,7 +87,7 @@ def test_reads_what_is_meant(text, rule):
         ("if e is NB then T is LL with nan", 30, "expected a weight from 0 to 1, found 'nan'"),
         ("if e is NB then T is LL with", 29, "expected a weight from 0 to 1, found the end of the rule"),
         ('if e is "NB then T is LL', 9, "this name in double quotes does not end: expected '\"'"),
-        ("if e is e=1\x00 then", 9, "unknown term of 'e': 'e=1\x00'; valid: NB"),
+        ("if e is e=1\x00 then", 9, "unknown term of 'e': 'e=1?'; valid: NB"),
     ],
 )
 def test_an_error_names_the_column_the_word_and_what_is_valid(text, column, message):

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from fuzzy import conversion, edits, formats, motion, shapes
 from fuzzy.errors import InvalidSystemError
+from fuzzy.invariants import validate_shape
 from fuzzy.shapes import Gaussian, Shape, Singleton, Trapezoid, Triangle
 from tests import plain
 
@@ -43,7 +44,7 @@ OPEN_BOTH_ENDS = {"triangle", "trapezoid", "rectangle"}
 @given(closed_shapes(), st.sampled_from(_KINDS))
 def test_a_converted_shape_is_valid_and_crosses_one_half_in_the_same_places(shape: Shape, kind: str) -> None:
     converted = conversion.converted(shape, kind)
-    shapes.validate(converted)
+    validate_shape(converted)
     assert shapes.kind(converted) == kind
     x = np.linspace(-40.0, 40.0, 20_001)
     if kind == "singleton":
@@ -69,7 +70,7 @@ def test_a_converted_shape_is_valid_and_crosses_one_half_in_the_same_places(shap
 )
 def test_an_open_shoulder_stays_open_where_the_kind_can_be(shape: Shape, kind: str) -> None:
     converted = conversion.converted(shape, kind)
-    shapes.validate(converted)
+    validate_shape(converted)
     is_falling = math.isinf(shapes.parameters(shape)[0])
     if kind in OPEN_BOTH_ENDS:
         infinite = [math.isinf(value) for value in shapes.parameters(converted)]
@@ -95,7 +96,7 @@ def test_a_set_is_moved_with_its_universe(shape: Shape, x: float, factor: float,
 @given(_any_shape(), st.floats(-5.0, 5.0), st.floats(-5.0, 5.0))
 def test_a_mirrored_set_has_the_degrees_of_the_mirrored_places(shape: Shape, middle: float, x: float) -> None:
     mirrored = motion.reflected(shape, middle)
-    shapes.validate(mirrored)
+    validate_shape(mirrored)
     near = plain.degrees(shape, [2 * middle - x - 1e-9, 2 * middle - x, 2 * middle - x + 1e-9])
     assert near.min() - 1e-6 <= plain.degrees(mirrored, x) <= near.max() + 1e-6
     again = motion.reflected(mirrored, middle)

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from fuzzy import sets, shapes
 from fuzzy.errors import InvalidSystemError
+from fuzzy.invariants import validate_shape
 from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle
 from tests import plain, reference, strategies
 
@@ -86,12 +87,12 @@ def test_straight_parts_join_and_rebuild_the_shape(shape: Shape) -> None:
 )
 def test_what_is_no_set_is_refused(shape, message):
     with pytest.raises(InvalidSystemError) as caught:
-        shapes.validate(shape, "inputs.e.terms.NB")
+        validate_shape(shape, "inputs.e.terms.NB")
     assert message in str(caught.value)
     assert caught.value.path == "inputs.e.terms.NB"
 
 
 @given(strategies.shapes_on(-2.0, 3.0))
 def test_generated_shapes_are_valid(shape: Shape) -> None:
-    shapes.validate(shape)
+    validate_shape(shape)
     assert all(math.isfinite(point) for point in sets.break_points(plain.term(shape)))

@@ -14,7 +14,8 @@ from msgspec.structs import replace
 from fuzzy.errors import FormatError, InvalidSystemError
 from fuzzy.formats import MAX_BYTES, dumps, load, loads, positions, save
 from fuzzy.formats.yaml_writer import number, scalar
-from fuzzy.rules import all_rules, format_rule
+from fuzzy.language import format_rule
+from fuzzy.rules import all_rules
 from fuzzy.shapes import Triangle
 from fuzzy.system import And, FuzzySystem, Inference, Input, Is, Not, Output, Rule, RuleBase, RuleTable, Sampling, Term
 from tests import plain, strategies

@@ -20,8 +20,8 @@ from app.store import Dispatch
 from app.widgets import MARK, coordinate_label, div, escape, on_input
 from fuzzy.errors import FuzzyError
 from fuzzy.inference import Controller, Trace, compile_system
+from fuzzy.language import format_expression
 from fuzzy.operators import implied
-from fuzzy.rules import format_expression
 from fuzzy.shapes import Linear
 from fuzzy.system import FuzzySystem, Output
 

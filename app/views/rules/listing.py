@@ -15,7 +15,7 @@ from app.runner import Frame
 from app.state import AppState, DesignChanged, Edit, Event
 from app.store import Dispatch
 from app.widgets import div, escape, full_width_html, on_input
-from fuzzy import edits, rules
+from fuzzy import edits, language, rules
 from fuzzy.errors import FormatError
 from fuzzy.system import FuzzySystem
 
@@ -67,7 +67,7 @@ class RuleListView:
                 grid.row_html(
                     target,
                     f"rule{first + n}",
-                    f'<span style="color:{MUTED}">{first + n + 1}</span> {escape(rules.format_rule(rule))}',
+                    f'<span style="color:{MUTED}">{first + n + 1}</span> {escape(language.format_rule(rule))}',
                 )
                 for n, (rule, target) in enumerate(zip(shown, self._buttons.ids, strict=False))
             ]
@@ -153,7 +153,7 @@ class RuleListView:
 
 def _written(text: str, edit: Callable[..., FuzzySystem]) -> Callable[[FuzzySystem], FuzzySystem]:
     """Return the edit with the rule that a text says, read in the system that is edited."""
-    return lambda system: edit(system, rule=rules.parse_rule(text, system))
+    return lambda system: edit(system, rule=language.parse_rule(text, system))
 
 
 def _replaced(system: FuzzySystem, number: int, rule: rules.Rule) -> FuzzySystem:
@@ -165,7 +165,7 @@ def _text(state: AppState) -> str:
     design = state.design
     if design.rule_text is not None:
         return design.rule_text
-    return "" if design.rule is None else rules.format_rule(state.document.rules.list[design.rule])
+    return "" if design.rule is None else language.format_rule(state.document.rules.list[design.rule])
 
 
 def _page(state: AppState) -> int:
@@ -191,7 +191,7 @@ def _error_html(state: AppState) -> str:
     if not text.strip():
         return div(f"such as <code>{escape(_EXAMPLE)}</code>", f"color:{MUTED};font-size:12px")
     try:
-        rules.parse_rule(text, state.document)
+        language.parse_rule(text, state.document)
     except FormatError as error:
         at = max(error.column - 1, 0)
         before, rest = text[:at], text[at:].split(maxsplit=1)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from fuzzy.errors import FormatError
+from fuzzy.errors import FormatError, shown
 from fuzzy.formats.assembly import Notes, unique
 from fuzzy.formats.fcl.terms import read_term
 from fuzzy.formats.fcl.tokens import Cursor
 from fuzzy.formats.rule_text import Token
-from fuzzy.formats.source import shown
 from fuzzy.system import NoFire, Term
 from fuzzy.validation import MAX_RULES, MAX_TERMS, MAX_VARIABLES
 

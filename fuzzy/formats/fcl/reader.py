@@ -11,7 +11,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from fuzzy.errors import expected
+from fuzzy.errors import expected, shown
 from fuzzy.formats.assembly import Chosen, Imported, Notes, marked_resolution, rule_base
 from fuzzy.formats.fcl import words
 from fuzzy.formats.fcl.blocks import Declared, FunctionBlock, RuleBlock, read_function_block
@@ -19,7 +19,7 @@ from fuzzy.formats.fcl.terms import span
 from fuzzy.formats.fcl.tokens import Cursor, tokenize
 from fuzzy.formats.fll import words as fuzzylite
 from fuzzy.formats.rule_text import Dialect, ParsedRule, RuleReader, Token
-from fuzzy.formats.source import Source, shown
+from fuzzy.formats.source import Source
 from fuzzy.shapes import Linear, Singleton
 from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Inference, Input, NoFire, Output, Sampling
 from fuzzy.validation import MAX_RULES

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from fuzzy.errors import expected
+from fuzzy.errors import expected, shown
 from fuzzy.formats.fcl import words
 from fuzzy.formats.fcl.tokens import Cursor
 from fuzzy.formats.fll import words as fuzzylite
-from fuzzy.formats.source import number, shown
+from fuzzy.formats.source import number
 from fuzzy.shapes import (
     MAX_POINTS,
     Bell,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from fuzzy.errors import FormatError
+from fuzzy.errors import FormatError, shown
 from fuzzy.formats.rule_text import Token
-from fuzzy.formats.source import Source, number, shown
+from fuzzy.formats.source import Source, number
 
 _TOKEN = re.compile(
     r"(?P<blank>\s+)"

@@ -9,12 +9,12 @@ from __future__ import annotations
 import re
 from typing import Any, NamedTuple
 
-from fuzzy.errors import expected
+from fuzzy.errors import expected, shown
 from fuzzy.formats.assembly import Imported, Notes, marked_resolution, rule_base, unique, with_complements
 from fuzzy.formats.fis import words
 from fuzzy.formats.fis.rules import read_rules
 from fuzzy.formats.fis.sections import Line, Section, missing, quoted, read_sections
-from fuzzy.formats.source import Source, number, shown
+from fuzzy.formats.source import Source, number
 from fuzzy.shapes import Linear, Points, Shape, Singleton
 from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Inference, Input, NoFire, Output, Sampling, Term
 from fuzzy.validation import MAX_TERMS, MAX_VARIABLES

@@ -6,8 +6,9 @@ import re
 from collections.abc import Sequence
 from typing import Any, TypeVar
 
+from fuzzy.errors import shown
 from fuzzy.formats.fis.sections import Line
-from fuzzy.formats.source import Source, number, shown
+from fuzzy.formats.source import Source, number
 from fuzzy.system import And, Expression, Hedged, Input, Is, Not, Or, Output, Rule, Variable
 
 _RULE = re.compile(r"(?P<inputs>[^,()]*),(?P<outputs>[^,()]*)\((?P<weight>[^()]*)\)\s*:\s*(?P<connection>\S+)\s*")

@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from fuzzy.errors import FormatError
-from fuzzy.formats.source import Source, shown
+from fuzzy.errors import FormatError, shown
+from fuzzy.formats.source import Source
 from fuzzy.validation import MAX_RULES, MAX_TERMS, MAX_VARIABLES
 
 _HEAD = re.compile(r"\[\s*([A-Za-z]+?)\s*(\d{0,6})\s*\]")

@@ -10,7 +10,8 @@ from fuzzy.formats import literals
 from fuzzy.formats.assembly import resolution_mark
 from fuzzy.formats.fis import words
 from fuzzy.formats.saying import Adapter, bounded, check_inputs, digits, join, weighted_aggregation
-from fuzzy.rules import all_rules, format_rule
+from fuzzy.language import format_rule
+from fuzzy.rules import all_rules
 from fuzzy.shapes import (
     Bell,
     Concave,

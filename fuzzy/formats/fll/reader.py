@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, field
 from typing import Any
 
-from fuzzy.errors import expected
+from fuzzy.errors import expected, shown
 from fuzzy.formats.assembly import (
     Chosen,
     Imported,
@@ -17,39 +16,16 @@ from fuzzy.formats.assembly import (
     unique,
 )
 from fuzzy.formats.fll import words
+from fuzzy.formats.fll.blocks import Block, blocks_of, is_true, named, numbers, split
 from fuzzy.formats.rule_text import Dialect, ParsedRule, RuleReader, Token
-from fuzzy.formats.source import Source, number, shown
+from fuzzy.formats.source import Source, number
 from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Inference, Input, NoFire, Output, Sampling, Term
-from fuzzy.validation import MAX_RULES, MAX_TERMS, MAX_VARIABLES
+from fuzzy.validation import MAX_RULES
 
-_BLOCKS = ("Engine", "InputVariable", "OutputVariable", "RuleBlock")
-_KEYS = {
-    "Engine": ("description",),
-    "InputVariable": ("description", "enabled", "range", "lock-range"),
-    "OutputVariable": (
-        *("description", "enabled", "range", "lock-range", "aggregation", "accumulation", "defuzzifier", "default"),
-        *("lock-previous", "lock-valid"),
-    ),
-    "RuleBlock": ("description", "enabled", "conjunction", "disjunction", "implication", "activation"),
-}
-_REPEATED = {"InputVariable": "term", "OutputVariable": "term", "RuleBlock": "rule"}
-_LINE = re.compile(r"([A-Za-z-]+)\s*:\s*(.*)")
-_WORD = re.compile(r"\S+")
 _TOKEN = re.compile(r"[(),]|[^\s(),]+")
 _RESOLUTION = 1000
 _MAX_RULE = 20_000
 _DIALECT = Dialect(words.HEDGES, has_chaining=True)
-
-
-@dataclass
-class Block:
-    """A block of the file: its word, its name, its values by key, and its terms or rules."""
-
-    word: str
-    name: str
-    offset: int
-    values: dict[str, Token] = field(default_factory=dict)
-    entries: list[Token] = field(default_factory=list)
 
 
 def read(text: str, name: str) -> Imported:
@@ -64,15 +40,15 @@ def read(text: str, name: str) -> Imported:
     """
     source = Source(text, name)
     notes = Notes(source)
-    blocks = _blocks(notes)
+    blocks = blocks_of(notes)
     engine = blocks[0]
-    found_inputs = _of(source, blocks, "InputVariable")
+    found_inputs = named(source, blocks, "InputVariable")
     inputs = tuple(_input(notes, block) for block in found_inputs)
     aggregation = Chosen("aggregation", source)
     defuzzifier = Chosen("defuzzifier", source)
     sampling = Chosen("resolution", source)
     outputs = []
-    for block in _of(source, blocks, "OutputVariable"):
+    for block in named(source, blocks, "OutputVariable"):
         outputs.append(_output(notes, block, len(inputs)))
         _operators_of_output(notes, block, aggregation, defuzzifier, sampling)
     parsed, operators = _rules(notes, blocks, inputs, outputs)
@@ -92,98 +68,16 @@ def read(text: str, name: str) -> Imported:
     return notes.imported(FuzzySystem(engine.name or "engine", inputs, tuple(outputs), rule_set, inference))
 
 
-def _blocks(notes: Notes) -> list[Block]:
-    source = notes.source
-    blocks: list[Block] = []
-    for start, line in source.lines():
-        text = line.partition("#")[0].strip()
-        if not text:
-            continue
-        offset = start + line.index(text)
-        match = _LINE.fullmatch(text)
-        if match is None:
-            raise source.error(f"expected 'key: value', found '{shown(text)}'", offset)
-        key, value = match.groups()
-        place = offset + match.start(2)
-        if key in _BLOCKS:
-            if (key == "Engine") != (not blocks):
-                raise source.error(f"expected 'Engine:' first and once, found '{key}:'", offset)
-            blocks.append(Block(key, value, place))
-            if len(blocks) > 3 * MAX_VARIABLES + 1:
-                raise source.error(f"more than {3 * MAX_VARIABLES} blocks", offset)
-        elif not blocks:
-            raise source.error(f"expected 'Engine:' first, found '{shown(key)}:'", offset)
-        else:
-            _add(notes, blocks[-1], Token(key, offset), Token(value, place))
-    if not blocks:
-        raise source.error("the file is empty; expected 'Engine:'", 0)
-    return blocks
-
-
-def _add(notes: Notes, block: Block, key: Token, value: Token) -> None:
-    source = notes.source
-    if key.text == _REPEATED.get(block.word):
-        block.entries.append(value)
-        most = MAX_RULES if key.text == "rule" else MAX_TERMS
-        if len(block.entries) > most:
-            raise source.error(f"more than {most} {key.text}s", key.offset)
-        return
-    if key.text not in _KEYS[block.word]:
-        valid = [*_KEYS[block.word], *([_REPEATED[block.word]] if block.word in _REPEATED else [])]
-        raise source.error(f"unknown key {expected(shown(key.text), valid)}", key.offset)
-    if key.text in block.values:
-        raise source.error(f"'{key.text}' stands twice", key.offset)
-    block.values[key.text] = value
-
-
-def _of(source: Source, blocks: list[Block], word: str) -> list[Block]:
-    found = [block for block in blocks if block.word == word]
-    if not found:
-        raise source.error(f"'{word}:' is missing: the file ends too early", len(source.text))
-    names: set[str] = set()
-    for block in found:
-        if not block.name:
-            raise source.error(f"'{word}:' has no name", block.offset)
-        unique(names, block.name, "a variable called", source, block.offset)
-        names.add(block.name)
-    if len(found) > MAX_VARIABLES:
-        raise source.error(f"more than {MAX_VARIABLES} of '{word}:'", found[MAX_VARIABLES].offset)
-    return found
-
-
-def _is(source: Source, block: Block, key: str, *, otherwise: bool) -> bool:
-    if key not in block.values:
-        return otherwise
-    text, offset = block.values[key]
-    if text not in ("true", "false"):
-        raise source.error(f"expected true or false, found '{shown(text)}'", offset)
-    return text == "true"
-
-
-def _numbers(source: Source, found: list[Token]) -> list[float]:
-    values = []
-    for word in found:
-        value = number(word.text)
-        if value is None:
-            raise source.error(f"expected a number, found '{shown(word.text)}'", word.offset)
-        values.append(value)
-    return values
-
-
-def _split(token: Token) -> list[Token]:
-    return [Token(match.group(), token.offset + match.start()) for match in _WORD.finditer(token.text)]
-
-
 def _variable(notes: Notes, block: Block, path: str, n_inputs: int) -> tuple[float, float, tuple[Term, ...]]:
     source = notes.source
-    if not _is(source, block, "enabled", otherwise=True):
+    if not is_true(source, block, "enabled", otherwise=True):
         message = f"'{shown(block.name)}' is not enabled, which has no word in the workbench"
         raise source.error(message, block.values["enabled"].offset)
     notes.at(path, block.offset)
     if "range" not in block.values:
         raise source.error(f"'{shown(block.name)}' has no range", block.offset)
     place = block.values["range"].offset
-    ends = _numbers(source, _split(block.values["range"]))
+    ends = numbers(source, split(block.values["range"]))
     if len(ends) != 2 or not all(map(math.isfinite, ends)):
         message = f"expected a range of two finite numbers, found '{shown(block.values['range'].text)}'"
         raise source.error(message, place)
@@ -195,7 +89,7 @@ def _terms(notes: Notes, block: Block, path: str, n_inputs: int) -> list[Term]:
     source = notes.source
     terms: list[Term] = []
     for entry in block.entries:
-        found = _split(entry)
+        found = split(entry)
         if len(found) < 2:
             message = f"expected a name, a class and parameters, found '{shown(entry.text)}'"
             raise source.error(message, entry.offset)
@@ -203,7 +97,7 @@ def _terms(notes: Notes, block: Block, path: str, n_inputs: int) -> list[Term]:
         unique([term.name for term in terms], name, f"a term of {shown(block.name)} called", source, entry.offset)
         if word.text in words.REFUSED:
             raise source.error(f"the term '{word.text}' has no shape in the workbench", word.offset)
-        shape, height = words.shape(source, word.text, _numbers(source, found[2:]), word.offset, n_inputs)
+        shape, height = words.shape(source, word.text, numbers(source, found[2:]), word.offset, n_inputs)
         notes.at(f"{path}.terms.{name}", entry.offset)
         terms.append(Term(name, shape, height))
     return terms
@@ -224,7 +118,7 @@ def _output(notes: Notes, block: Block, n_inputs: int) -> Output:
             raise source.error(f"expected a number or nan, found '{shown(text)}'", offset)
         notes.at(f"outputs.{block.name}.no_fire", offset)
         no_fire = NoFire("nan") if math.isnan(value) else NoFire("default", value)
-    if _is(source, block, "lock-previous", otherwise=False) or _is(source, block, "lock-valid", otherwise=False):
+    if any(is_true(source, block, key, otherwise=False) for key in ("lock-previous", "lock-valid")):
         if no_fire.policy == "default":
             notes.remark(
                 "the default counts only before the first output: the middle of the range is taken", block.offset
@@ -250,9 +144,9 @@ def _operators_of_output(
     token = block.values.get("defuzzifier")
     if token is None or token.text == "none":
         raise source.error(f"'{shown(block.name)}' has no defuzzifier", token.offset if token else block.offset)
-    found = _split(token)
+    found = split(token)
     method = _word(source, found[0], words.DEFUZZIFIERS, "defuzzifier")
-    if method in WEIGHTED_VALUES and _is(source, block, "lock-range", otherwise=False):
+    if method in WEIGHTED_VALUES and is_true(source, block, "lock-range", otherwise=False):
         notes.remark("a weighted average is not limited to the range (lock-range)", block.values["lock-range"].offset)
     defuzzifier.choose(method, f"'{block.name}'", token.offset)
     if len(found) == 1 or method in WEIGHTED_VALUES:
@@ -272,7 +166,7 @@ def _rules(
     reader = RuleReader(source, inputs, outputs, _DIALECT, is_folded=False)
     parsed: list[ParsedRule] = []
     for block in (block for block in blocks if block.word == "RuleBlock"):
-        if not _is(source, block, "enabled", otherwise=True):
+        if not is_true(source, block, "enabled", otherwise=True):
             notes.remark(f"the rule block '{shown(block.name)}' is not enabled and left out", block.offset)
             continue
         _check_activation(source, block)

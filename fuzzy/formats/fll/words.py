@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from fuzzy.errors import FormatError, expected
+from fuzzy.errors import FormatError, expected, shown
 from fuzzy.formats.assembly import open_trapezoid
-from fuzzy.formats.source import Source, shown
+from fuzzy.formats.source import Source
 from fuzzy.shapes import (
     Bell,
     Concave,

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from fuzzy.errors import FormatError, InvalidSystemError, expected
+from fuzzy.errors import FormatError, InvalidSystemError, expected, shown
 from fuzzy.formats.assembly import Imported, Remark, complement_name, marked_resolution, rule_base, with_complements
 from fuzzy.formats.fml import tree, words
 from fuzzy.formats.fml.tree import Element
-from fuzzy.formats.source import shown
 from fuzzy.shapes import Points, Shape
 from fuzzy.system import (
     And,

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from typing import Any
 from xml.parsers import expat
 
-from fuzzy.errors import FormatError, expected
-from fuzzy.formats.source import number, shown
+from fuzzy.errors import FormatError, expected, shown
+from fuzzy.formats.source import number
 
 MAX_ELEMENTS = 50_000
 """Greatest number of elements: a file of 1 MiB holds no more that say something."""

@@ -12,7 +12,8 @@ from fuzzy.formats import literals
 from fuzzy.formats.assembly import resolution_mark
 from fuzzy.formats.fml import words
 from fuzzy.formats.saying import Adapter, bounded, check_inputs, digits
-from fuzzy.rules import all_rules, format_rule
+from fuzzy.language import format_rule
+from fuzzy.rules import all_rules
 from fuzzy.shapes import (
     Bell,
     Concave,
