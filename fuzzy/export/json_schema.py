@@ -13,7 +13,16 @@ from fuzzy import shapes
 from fuzzy import system as document
 from fuzzy.formats.yaml import OPERATOR_KEYS
 from fuzzy.system import SCHEMA, Inference
-from fuzzy.validation import MAX_NAME, MAX_NOTES, MAX_POINTS, MAX_RULES, MAX_TERMS, MAX_VARIABLES, MIN_POINTS
+from fuzzy.validation import (
+    MAX_NAME,
+    MAX_NOTES,
+    MAX_OUTPUT_TERMS,
+    MAX_POINTS,
+    MAX_RULES,
+    MAX_TERMS,
+    MAX_VARIABLES,
+    MIN_POINTS,
+)
 
 _NAME = {"type": "string", "minLength": 1, "maxLength": MAX_NAME}
 _NUMBER = {"type": "number"}
@@ -32,8 +41,8 @@ def json_schema() -> dict[str, Any]:
                 "schema": {"const": SCHEMA},
                 "name": _NAME,
                 "notes": {"type": "string", "maxLength": MAX_NOTES},
-                "inputs": _named(_variable({"out_of_range": _words(document.OutOfRange)}), MAX_VARIABLES),
-                "outputs": _named(_variable({"no_fire": _no_fire()}), MAX_VARIABLES),
+                "inputs": _named(_variable({"out_of_range": _words(document.OutOfRange)}, MAX_TERMS), MAX_VARIABLES),
+                "outputs": _named(_variable({"no_fire": _no_fire()}, MAX_OUTPUT_TERMS), MAX_VARIABLES),
                 "rules": _object({"table": _table(), "list": {"type": "array", "items": rule, "maxItems": MAX_RULES}}),
                 "inference": _object({**operators, "resolution": _resolution()}),
             },
@@ -59,9 +68,9 @@ def _numbers(count: int) -> dict[str, Any]:
     return {"type": "array", "items": _NUMBER, "minItems": count, "maxItems": count}
 
 
-def _variable(more: dict[str, Any]) -> dict[str, Any]:
+def _variable(more: dict[str, Any], most_terms: int) -> dict[str, Any]:
     unit = {"type": "string", "maxLength": MAX_NAME}
-    properties = {"range": _numbers(2), "unit": unit, **more, "terms": _named(_term(), MAX_TERMS)}
+    properties = {"range": _numbers(2), "unit": unit, **more, "terms": _named(_term(), most_terms)}
     return _object(properties, required=("range", "terms"))
 
 

@@ -7,9 +7,9 @@ import re
 
 import pytest
 
-from fuzzy import formats
+from fuzzy import compile_system, formats
 from fuzzy.errors import FormatError
-from fuzzy.shapes import Gaussian2, PiShape, Points, Ramp
+from fuzzy.shapes import Gaussian2, Linear, PiShape, Points, Ramp, Singleton
 from fuzzy.system import FuzzySystem, Hedged, Is, NoFire, Not, Or, Rule, Sampling
 
 TEXT = """<?xml version="1.0" encoding="ISO-8859-1"?>
@@ -86,7 +86,13 @@ BOMB = '<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a
         ("<!-- a comment -->\n", '<!DOCTYPE x SYSTEM "file:///etc/passwd">\n', "a document type", 2),
         ("</fuzzySystem>", "", "this is not XML: no element found", 30),
         ("hot</term>", "&hot;</term>", "this is not XML: undefined entity", 21),
-        ("<mamdaniRuleBase", "<tskRuleBase><x/></tskRuleBase><mamdaniRuleBase", "a <tskRuleBase> cannot be read", 17),
+        (
+            "<mamdaniRuleBase",
+            "<tskRuleBase><x/></tskRuleBase><mamdaniRuleBase",
+            "unknown element <x>; valid: tskRule",
+            17,
+        ),
+        ("<mamdaniRuleBase", "<anYaRuleBase/><mamdaniRuleBase", "a <anYaRuleBase> cannot be read; valid: mamdani", 17),
         ("<leftLinearShape", "<customShape", "a <customShape> cannot be read", 7),
         ("<leftLinearShape", "<leftShape", "unknown shape 'leftShape'; did you mean 'leftLinearShape'", 7),
         ('param1="0" param2="5"', 'param1="0"', "<leftLinearShape> has no attribute 'param2'", 7),
@@ -133,3 +139,144 @@ def test_rules_with_other_norms_are_refused_by_name() -> None:
     other = rule.replace('connector="OR"', 'connector="OR" orMethod="BSUM"').replace('name="1"', 'name="2"')
     with pytest.raises(FormatError, match="the orMethod of the rule '2' is bounded_sum, that of the rule '1' is"):
         read(TEXT.replace(rule, rule + other))
+
+
+INPUTS = """
+    <fuzzyVariable name="x" domainleft="0" domainright="10" type="input">
+      <fuzzyTerm name="low"><leftLinearShape param1="0" param2="10"/></fuzzyTerm>
+      <fuzzyTerm name="high"><rightLinearShape param1="0" param2="10"/></fuzzyTerm>
+    </fuzzyVariable>
+    <fuzzyVariable name="y" domainleft="-1" domainright="1" type="input">
+      <fuzzyTerm name="negative"><leftLinearShape param1="-1" param2="1"/></fuzzyTerm>
+    </fuzzyVariable>"""
+
+TSK = f"""<fuzzySystem xmlns="http://www.ieee1855.org" name="plane">
+  <knowledgeBase>
+    <tskVariable name="z" scale="V" type="output" combination="WA" defaultValue="2">
+      <tskTerm name="constant" order="0"><tskValue>1.5</tskValue></tskTerm>
+      <tskTerm name="plane" order="1"><tskValue>1</tskValue><tskValue>2</tskValue><tskValue>-3</tskValue></tskTerm>
+      <tskTerm name="slope" order="1"><tskValue>-1</tskValue><tskValue>0.5</tskValue></tskTerm>
+    </tskVariable>{INPUTS}
+  </knowledgeBase>
+  <tskRuleBase name="rules" activationMethod="PROD" andMethod="PROD">
+    <tskRule name="1" connector="and">
+      <antecedent>
+        <clause><variable>x</variable><term>low</term></clause>
+        <clause><variable>y</variable><term>negative</term></clause>
+      </antecedent>
+      <tskConsequent>
+        <tskThen><tskClause><variable>z</variable><term>plane</term></tskClause></tskThen>
+        <tskElse><tskClause><variable>z</variable><term>constant</term></tskClause></tskElse>
+      </tskConsequent>
+    </tskRule>
+    <tskRule name="2" weight="0.5">
+      <antecedent><clause modifier="very"><variable>x</variable><term>high</term></clause></antecedent>
+      <tskConsequent><tskThen><tskClause><variable>z</variable><term>slope</term></tskClause></tskThen></tskConsequent>
+    </tskRule>
+  </tskRuleBase>
+</fuzzySystem>
+"""
+
+TSUKAMOTO = f"""<fuzzySystem xmlns="http://www.ieee1855.org" name="valve">
+  <knowledgeBase>{INPUTS}
+    <tsukamotoVariable name="z" domainleft="0" domainright="20" type="output" defaultValue="4">
+      <tsukamotoTerm name="small"><leftLinearShape param1="2" param2="12"/></tsukamotoTerm>
+      <tsukamotoTerm name="large"><rightGaussianShape param1="20" param2="5"/></tsukamotoTerm>
+      <tsukamotoTerm name="by points">
+        <pointSetMonotonicShape><point x="0" y="0"/><point x="20" y="1"/></pointSetMonotonicShape>
+      </tsukamotoTerm>
+    </tsukamotoVariable>
+  </knowledgeBase>
+  <tsukamotoRuleBase name="rules">
+    <rule name="1">
+      <antecedent><clause><variable>x</variable><term>low</term></clause></antecedent>
+      <consequent><then><clause><variable>z</variable><term>small</term></clause></then></consequent>
+    </rule>
+    <rule name="2" weight="0.8">
+      <antecedent><clause><variable>x</variable><term>high</term></clause></antecedent>
+      <consequent><then><clause><variable>z</variable><term>large</term></clause></then></consequent>
+    </rule>
+    <rule name="3">
+      <antecedent><clause><variable>y</variable><term>negative</term></clause></antecedent>
+      <consequent><then><clause><variable>z</variable><term>by points</term></clause></then></consequent>
+    </rule>
+  </tsukamotoRuleBase>
+</fuzzySystem>
+"""
+
+
+def test_a_tsk_system_gives_the_weighted_average_of_its_functions() -> None:
+    system = read(TSK)
+    (output,) = system.outputs
+    assert [term.shape for term in output.terms] == [Singleton(1.5), Linear((2.0, -3.0), 1.0), Linear((0.5, 0.0), -1.0)]
+    assert (output.low, output.high) == (-2.0, 24.0)  # all values over the inputs' ranges
+    assert (output.unit, output.no_fire) == ("V", NoFire("default", 2.0))
+    controller = compile_system(system)
+    for x, y in ((3.0, 0.5), (10.0, -1.0), (0.0, 1.0)):
+        degrees = (1 - x / 10) * (1 - y) / 2, 1 - (1 - x / 10) * (1 - y) / 2, 0.5 * (x / 10) ** 2
+        values = 1 + 2 * x - 3 * y, 1.5, -1 + 0.5 * x
+        wanted = sum(w * z for w, z in zip(degrees, values, strict=True)) / sum(degrees)
+        assert controller(x, y) == pytest.approx(wanted, abs=1e-12)
+
+
+def test_a_tsukamoto_system_gives_the_weighted_average_of_places() -> None:
+    controller = compile_system(read(TSUKAMOTO))
+    for x, y in ((3.0, 0.5), (9.0, -1.0)):
+        degrees = 1 - x / 10, 0.8 * x / 10, (1 - y) / 2
+        values = 12 - 10 * degrees[0], 20 - math.sqrt(-50 * math.log(degrees[1])), 20 * degrees[2]
+        wanted = sum(w * z for w, z in zip(degrees, values, strict=True)) / sum(degrees)
+        assert controller(x, y) == pytest.approx(wanted, abs=1e-9)
+    silent = read(TSUKAMOTO.replace("<term>high", "<term>low"))
+    assert compile_system(silent)(10.0, 1.0) == 4.0
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new", "message"),
+    [
+        (TSK, 'combination="WA"', 'combination="custom_x"', "unknown word 'custom_x'; valid: WA"),
+        (
+            TSK,
+            "<tskValue>-3</tskValue>",
+            "<tskValue>-3</tskValue><tskValue>4</tskValue>",
+            "4 values; valid are at most 3",
+        ),
+        (TSK, "<tskValue>-3<", "<tskValue>many<", "<tskValue> is 'many', expected a number"),
+        (TSK, "<tskValue>1.5</tskValue>", "", "holds no <tskValue>"),
+        (TSK, '"plane" order="1"', '"plane" order="2"', "unknown word '2'"),
+        (TSK, '"plane" order="1"', '"plane"', "no attribute 'order'"),
+        (TSK, 'type="output"', 'type="input"', "a <tskVariable> is an output"),
+        (TSK, "<term>plane", "<term>plain", "unknown term of 'z': 'plain'; did you mean 'plane'"),
+        (TSK, "tskRuleBase", "mamdaniRuleBase", "unknown element <tskRule>; valid: rule"),
+        (TSUKAMOTO, 'leftLinearShape param1="2"', 'triangularShape param1="2"', "unknown shape 'triangularShape'"),
+        (
+            TSUKAMOTO,
+            '<point x="20" y="1"/>',
+            '<point x="5" y="1"/><point x="9" y="0"/>',
+            "rise or fall all over the range",
+        ),
+        (TSUKAMOTO, "tsukamotoRuleBase", "tskRuleBase", "unknown element <rule>; valid: tskRule"),
+        (
+            TSUKAMOTO,
+            "  </knowledgeBase>",
+            '<fuzzyVariable name="u" domainleft="0" domainright="1" type="output">'
+            '<fuzzyTerm name="t"><zShape param1="0" param2="1"/></fuzzyTerm></fuzzyVariable></knowledgeBase>',
+            "the defuzzifier of 'u' is centroid, that of 'z' is weighted_average",
+        ),
+    ],
+)
+def test_mistakes_in_tsk_and_tsukamoto_systems_are_named(text: str, old: str, new: str, message: str) -> None:
+    assert old in text
+    with pytest.raises(FormatError) as caught:
+        read(text.replace(old, new))
+    assert message in caught.value.message, caught.value.message
+
+
+def test_values_that_jfml_does_not_read_or_reads_otherwise_are_remarks() -> None:
+    surplus = TSK.replace("<tskValue>1.5</tskValue>", "<tskValue>1.5</tskValue><tskValue>7</tskValue>")
+    imported = formats.from_bytes(surplus.encode(), "x.xml")
+    assert imported.system == read(TSK)
+    assert "of order 0 the first value counts" in imported.remarks[0].message
+    complement = TSUKAMOTO.replace('name="small"', 'name="small" complement="true"')
+    imported = formats.from_bytes(complement.encode(), "x.xml")
+    assert imported.system.outputs[0].terms[0].complement
+    assert "JFML takes 1 minus the place" in imported.remarks[0].message

@@ -13,10 +13,13 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from fuzzy import formats
 from fuzzy.errors import FormatError
 from fuzzy.formats.detection import FORMATS
+from fuzzy.shapes import Linear, Ramp, Singleton, ZShape
+from fuzzy.system import Inference, Term
 from fuzzy.validation import validate
 from tests.formats.conformance import FILES, FOLDER
 
@@ -30,6 +33,11 @@ def seeds() -> list[bytes]:
     """Return the public cases, and our own rule bases in every format."""
     own = [formats.load(path) for path in sorted(RULEBASES.glob("*.yaml"))[:2]]
     found = [formats.write(system, kind, lossy=True).text.encode() for system in own for kind in FORMATS]
+    for shapes in ((Singleton(1.0), Linear((2.0, -3.0), 1.0)), (Ramp(-85, 85), ZShape(-40, 85))):
+        terms = tuple(Term(term.name, shapes[i % 2]) for i, term in enumerate(own[0].outputs[0].terms))
+        weighted = Inference(aggregation="sum", defuzzifier="weighted_average")
+        system = replace(own[0], outputs=(replace(own[0].outputs[0], terms=terms),), inference=weighted)
+        found += [formats.write(system, kind, lossy=True).text.encode() for kind in ("fll", "fml")]
     return found + [(FOLDER / file).read_bytes() for file in FILES] if FOLDER else found
 
 

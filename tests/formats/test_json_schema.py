@@ -93,3 +93,12 @@ def test_other_forms_are_not(old: str, new: str) -> None:
     written = formats.dumps(formats.load(RULEBASES / "diagonal.yaml"))
     assert old in written
     assert not accepts(SCHEMA, yaml.safe_load(written.replace(old, new, 1)))
+
+
+def test_an_output_has_more_terms_than_an_input() -> None:
+    document = yaml.safe_load(formats.dumps(formats.load(RULEBASES / "diagonal.yaml")))
+    many = {f"t{number}": {"singleton": [number]} for number in range(256)}
+    document["outputs"]["T"]["terms"] = many
+    assert accepts(SCHEMA, document)
+    document["inputs"]["e"]["terms"] = many
+    assert not accepts(SCHEMA, document)

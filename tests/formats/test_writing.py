@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,23 @@ from fuzzy import compile_system, formats
 from fuzzy.errors import InvalidSystemError
 from fuzzy.formats.detection import FORMATS, Format
 from fuzzy.formats.difference import difference
-from fuzzy.shapes import Concave, Gaussian, Points, Singleton, SShape, Triangle
+from fuzzy.sets import is_linear
+from fuzzy.shapes import (
+    Concave,
+    Gaussian,
+    Gaussian2,
+    Linear,
+    Points,
+    Ramp,
+    Rectangle,
+    Sigmoid,
+    Singleton,
+    SShape,
+    Trapezoid,
+    Triangle,
+    ZShape,
+)
+from fuzzy.shapes import kind as kind_of
 from fuzzy.system import (
     And,
     FuzzySystem,
@@ -37,6 +54,8 @@ from fuzzy.validation import validate
 from tests.formats.sayable import sayable
 
 OTHERS = [kind for kind in FORMATS if kind != "yaml"]
+
+WEIGHTED = Inference(aggregation="sum", defuzzifier="weighted_average")
 
 
 def outputs(system: FuzzySystem, seed: int = 0) -> np.ndarray:
@@ -126,6 +145,21 @@ CANNOT = [
     ("fis", with_term(Term("n", Concave(0, 1))), "the shape 'concave'", "trapmf"),
     ("fcl", with_term(Term("n", SShape(-1, 1))), "the shape 's_shape'", "("),
     ("fml", with_term(Term("n", Triangle(-1, 0, 1), height=0.5)), "the height 0.5", "height 1"),
+    (
+        "fml",
+        replace(with_output(terms=(Term("low", Sigmoid(40, 0.1)), Term("high", Ramp(0, 100)))), inference=WEIGHTED),
+        "the shape 'sigmoid' of a monotone term",
+        "65 points",
+    ),
+    (
+        "fml",
+        replace(
+            with_output(terms=(Term("low", Singleton(1)), Term("high", Singleton(2)))),
+            inference=Inference(defuzzifier="weighted_average"),
+        ),
+        "'max' of a weighted average",
+        "'sum'",
+    ),
     ("fll", replace(heater(), name="oil heater"), "the name 'oil heater'", "'oil_heater'"),
     ("fcl", with_term(Term("with", Triangle(-2, -1, 1))), "the name 'with'", "'with_'"),
     (
@@ -200,10 +234,63 @@ def test_a_resolution_of_the_engine_needs_no_comment(kind: Format, sampling: Sam
 
 def test_sugeno_round_trips() -> None:
     constants = (Term("low", Singleton(-20.0)), Term("high", Singleton(120.0)))
-    operators = Inference(aggregation="sum", defuzzifier="weighted_average")
-    system = replace(with_output(terms=constants), inference=operators)
-    for kind in ("fis", "fll", "fcl"):
-        np.testing.assert_array_equal(outputs(written(system, kind)), outputs(system))
+    functions = (Term("low", Linear((3.0, -7.5), 0.1)), Term("high", Singleton(120.0)))
+    for terms in (constants, functions):
+        system = replace(with_output(terms=terms), inference=WEIGHTED)
+        for kind in (kind for kind in OTHERS if terms == constants or kind != "fcl"):
+            np.testing.assert_array_equal(outputs(written(system, kind)), outputs(system))
+
+
+MONOTONE = [
+    Triangle(-math.inf, 10, 60),
+    Triangle(0, 100, 300),
+    Trapezoid(20, 50, 200, 300),
+    Trapezoid(20, 50, 50, math.inf),
+    Rectangle(30, math.inf),
+    Ramp(100, 0),
+    Points(((10, 0.2), (40, 0.3), (40, 0.9))),
+    Gaussian(120, 50),
+    Gaussian(-5, 30),
+    Gaussian2(-math.inf, 1, 20, 15),
+    Gaussian2(80, 30, 200, 5),
+    SShape(0, 50),
+    ZShape(20, 120),
+]
+
+
+@pytest.mark.parametrize("shape", MONOTONE, ids=kind_of)
+@pytest.mark.parametrize("kind", ["fll", "fml"])
+def test_tsukamoto_round_trips(shape: Any, kind: Format) -> None:
+    terms = (Term("low", shape), Term("high", Ramp(20, 90)))
+    system = replace(with_output(terms=terms), inference=WEIGHTED)
+    np.testing.assert_allclose(outputs(written(system, kind)), outputs(system), rtol=0, atol=1e-10)
+    for changed in (Term("low", shape, complement=True), Term("low", shape, height=0.75)):
+        system = replace(with_output(terms=(changed, terms[1])), inference=WEIGHTED)
+        if kind == "fml" and (changed.complement or is_linear(changed)):
+            np.testing.assert_allclose(outputs(written(system, kind)), outputs(system), rtol=0, atol=1e-10)
+
+
+def test_both_in_one_system_become_two_rule_bases() -> None:
+    system = replace(with_output(terms=(Term("low", Ramp(0, 50)), Term("high", ZShape(20, 80)))), inference=WEIGHTED)
+    other = Output("u", -5.0, 5.0, (Term("f", Linear((1.0, 2.0), 0.5)),), no_fire=NoFire("default", 1.0))
+    both = Rule(Is("de", "p"), (Is("T", "low"), Is("u", "f")), 0.5)
+    system = replace(system, outputs=(*system.outputs, other), rules=RuleBase(None, (*heater().rules.list, both)))
+    text = formats.write(system, "fml").text
+    assert ("<tskRuleBase" in text, "<tsukamotoRuleBase" in text, "<mamdaniRuleBase" in text) == (True, True, False)
+    np.testing.assert_allclose(outputs(formats.loads(text, "x.xml")), outputs(system), rtol=0, atol=1e-10)
+    mixed = replace(with_output(terms=(Term("low", Ramp(0, 50)), Term("high", Singleton(3)))), inference=WEIGHTED)
+    with pytest.raises(InvalidSystemError, match="sets beside constants"):
+        formats.write(mixed, "fml")
+
+
+@pytest.mark.parametrize("kind", OTHERS)
+def test_an_output_has_as_many_terms_as_a_system_may(kind: Format) -> None:
+    """A Sugeno system has a term for each rule."""
+    terms = tuple(Term(f"z{number}", Singleton(float(number))) for number in range(256))
+    rules = tuple(Rule(Is("e", "n"), (Is("T", term.name),)) for term in terms)
+    output = Output("T", -1.0, 256.0, terms, no_fire=NoFire("midpoint"))
+    system = replace(heater(), outputs=(output,), rules=RuleBase(None, rules), inference=WEIGHTED)
+    assert len(written(system, kind).outputs[0].terms) == 256
 
 
 def test_points_may_jump() -> None:

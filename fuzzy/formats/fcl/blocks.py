@@ -10,7 +10,7 @@ from fuzzy.formats.fcl.terms import read_term
 from fuzzy.formats.fcl.tokens import Cursor
 from fuzzy.formats.rule_text import Token
 from fuzzy.system import NoFire, Term
-from fuzzy.validation import MAX_RULES, MAX_TERMS, MAX_VARIABLES
+from fuzzy.validation import MAX_OUTPUT_TERMS, MAX_RULES, MAX_VARIABLES
 
 _TYPES = frozenset({"REAL", "LREAL", "INT", "DINT", "SINT", "LINT", "UINT"})
 _OTHER_VARIABLES = ("VAR", "VAR_IN_OUT", "VAR_TEMP", "VAR_GLOBAL", "VAR_EXTERNAL")
@@ -179,8 +179,8 @@ def _term(cursor: Cursor, block: FunctionBlock, variable: Declared, n_inputs: in
     variable.term_offsets.append(name.offset)
     if dialect:
         block.dialects.add(dialect)
-    if len(variable.terms) > MAX_TERMS:
-        raise cursor.source.error(f"more than {MAX_TERMS} terms", name.offset)
+    if len(variable.terms) > MAX_OUTPUT_TERMS:
+        raise cursor.source.error(f"more than {MAX_OUTPUT_TERMS} terms", name.offset)
 
 
 def _operator(cursor: Cursor) -> Token:

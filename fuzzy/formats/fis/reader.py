@@ -17,7 +17,7 @@ from fuzzy.formats.fis.sections import Line, Section, missing, quoted, read_sect
 from fuzzy.formats.source import Source, number
 from fuzzy.shapes import Linear, Points, Shape, Singleton
 from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Inference, Input, NoFire, Output, Sampling, Term
-from fuzzy.validation import MAX_TERMS, MAX_VARIABLES
+from fuzzy.validation import MAX_OUTPUT_TERMS, MAX_VARIABLES
 
 _MEMBERSHIP = re.compile(r"(['\"])(?P<name>.*)\1\s*:\s*(['\"])(?P<kind>[^'\"]*)\3\s*,\s*\[(?P<numbers>[^\]]*)\]")
 _WORD = re.compile(r"[^\s,;]+")
@@ -235,8 +235,8 @@ def _terms(notes: Notes, section: Section, path: str, n_inputs: int, *, is_sugen
     keys = [key for key in section.entries if _MF_KEY.fullmatch(key)]
     _check_count(source, section, "nummfs", len(keys), "membership functions in this section")
     terms: list[Term] = []
-    if len(keys) > MAX_TERMS:
-        raise source.error(f"{len(keys)} membership functions: at most {MAX_TERMS}", section.offset)
+    if len(keys) > MAX_OUTPUT_TERMS:
+        raise source.error(f"{len(keys)} membership functions: at most {MAX_OUTPUT_TERMS}", section.offset)
     for place in range(1, len(keys) + 1):
         if f"mf{place}" not in section.entries:
             raise missing(source, section, f"MF{place}")

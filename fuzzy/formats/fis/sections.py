@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 from fuzzy.errors import FormatError, shown
 from fuzzy.formats.source import Source
-from fuzzy.validation import MAX_RULES, MAX_TERMS, MAX_VARIABLES
+from fuzzy.validation import MAX_OUTPUT_TERMS, MAX_RULES, MAX_VARIABLES
 
 _HEAD = re.compile(r"\[\s*([A-Za-z]+?)\s*(\d{0,6})\s*\]")
 _ENTRY = re.compile(r"([A-Za-z_]\w*)\s*=\s*(.*)", re.ASCII)
 _FISPRO = re.compile(r"^[ \t]*(?:(?:Ninputs|Noutputs|Nrules|Conjunction|MissingValues)[ \t]*=|\[Exceptions\])", re.M)
-_MAX_ENTRIES = MAX_TERMS + 32
+_MAX_ENTRIES = MAX_OUTPUT_TERMS + 32
 _MAX_SECTIONS = 2 * MAX_VARIABLES + 8
 
 

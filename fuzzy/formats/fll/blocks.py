@@ -9,7 +9,7 @@ from fuzzy.errors import expected, shown
 from fuzzy.formats.assembly import Notes, unique
 from fuzzy.formats.rule_text import Token
 from fuzzy.formats.source import Source, number
-from fuzzy.validation import MAX_RULES, MAX_TERMS, MAX_VARIABLES
+from fuzzy.validation import MAX_OUTPUT_TERMS, MAX_RULES, MAX_VARIABLES
 
 _BLOCKS = ("Engine", "InputVariable", "OutputVariable", "RuleBlock")
 _KEYS = {
@@ -70,7 +70,7 @@ def _add(notes: Notes, block: Block, key: Token, value: Token) -> None:
     source = notes.source
     if key.text == _REPEATED.get(block.word):
         block.entries.append(value)
-        most = MAX_RULES if key.text == "rule" else MAX_TERMS
+        most = MAX_RULES if key.text == "rule" else MAX_OUTPUT_TERMS
         if len(block.entries) > most:
             raise source.error(f"more than {most} {key.text}s", key.offset)
         return

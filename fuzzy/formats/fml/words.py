@@ -60,9 +60,29 @@ HEDGES = {
 }
 REFUSED_HEDGES = ("above", "below", "norm", "slightly")
 
-REFUSED_RULE_BASES = ("tskRuleBase", "tsukamotoRuleBase", "anYaRuleBase")
-REFUSED_VARIABLES = ("tskVariable", "tsukamotoVariable", "aggregatedFuzzyVariable", "anYaDataCloud")
-REFUSED_SHAPES = ("circularDefinition", "customShape")
+VARIABLES = ("fuzzyVariable", "tskVariable", "tsukamotoVariable")
+REFUSED_VARIABLES = ("aggregatedFuzzyVariable", "anYaDataCloud")
+REFUSED_SHAPES = ("circularDefinition", "customShape", "customMonotonicShape")
+
+
+class RuleTags(NamedTuple):
+    """The elements of a rule."""
+
+    rule: str
+    consequent: str
+    then: str
+    otherwise: str
+    clause: str
+
+
+_OVER_SETS = RuleTags("rule", "consequent", "then", "else", "clause")
+
+RULE_BASES = {
+    "mamdaniRuleBase": _OVER_SETS,
+    "tsukamotoRuleBase": _OVER_SETS,
+    "tskRuleBase": RuleTags("tskRule", "tskConsequent", "tskThen", "tskElse", "tskClause"),
+}
+REFUSED_RULE_BASES = ("anYaRuleBase",)
 
 
 class Kind(NamedTuple):
@@ -87,3 +107,9 @@ SHAPES = {
     "zShape": Kind(2, ZShape),
 }
 """All but ``pointSetShape``."""
+
+MONOTONE_SHAPES = (
+    *("leftGaussianShape", "rightGaussianShape", "leftLinearShape", "rightLinearShape", "sShape", "zShape"),
+    "pointSetMonotonicShape",
+)
+"""Shapes of a Tsukamoto system's terms."""
