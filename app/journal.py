@@ -22,6 +22,7 @@ from typing import IO
 import msgspec
 
 from app.state import AppState, Recovery, Source, Work
+from app.store import Shown, is_same
 from fuzzy import durable, formats
 from fuzzy.errors import FuzzyError
 from fuzzy.validation import validate
@@ -84,17 +85,21 @@ class Journal:
         self._doomed: list[Path] = []  # to be deleted once what is wanted has been written
         self._is_closed = False
         self._changed = threading.Condition()
-        self._known: AppState | None = None
+        self._known: Shown = ()
         self._answered: list[Path] = []
         self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
         self._thread.start()
 
+    def shows(self, state: AppState) -> Shown:
+        """Return what must not be lost."""
+        return tuple(getattr(state, name) for name in Work.__struct_fields__)
+
     def render(self, state: AppState) -> None:
         """Keep the state's work, if it is other than before."""
-        known, self._known = self._known, state
-        if known is not None and all(getattr(known, name) is getattr(state, name) for name in Work.__struct_fields__):
+        known, self._known = self._known, self.shows(state)
+        if is_same(known, self._known):
             return
-        if known is None and not state.work.is_unsaved:
+        if not known and not state.work.is_unsaved:
             return  # nothing has happened yet
         with self._changed:
             self._wanted = self._latest = state.work

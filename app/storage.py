@@ -167,11 +167,12 @@ class Storage:
             raise StorageError(f"{path.name} is a link that leads out of the folder")
         target = path.resolve()
         try:
+            content = formats.write(system, formats.format_of(path.name)).text.encode()
             with durable.replacing(target, keeps_backup=True) as temporary:
-                formats.save(system, temporary)
+                temporary.write_bytes(content)
             return _stamp(target)
         except FormatError as error:
-            raise StorageError(f"{path.name}: {error.message}{self._gone()}") from error
+            raise StorageError(f"{path.name}: {error.message}") from error
         except FuzzyError as error:
             raise StorageError(f"{path.name} is not saved, the rule base is not valid: {error}") from error
         except OSError as error:

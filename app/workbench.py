@@ -95,6 +95,7 @@ class Workbench:
             work.cancel()
         self.keep_work()
         self._runner.stop()
+        self.store.close()
         self.server.stop()
 
     async def _greet(self, client: viser.ClientHandle) -> None:
@@ -110,30 +111,30 @@ class Workbench:
 
     async def _build(self) -> None:
         """Lay out the panels and fill them; on the event loop, as all that touches widgets."""
-        gui, dispatch = self.server.gui, self.store.dispatch
+        gui = self.server.gui
         gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, brand_color=(79, 143, 247))
         gui.set_panel_label("Run")
         design = gui.add_panel()
         with design.add_tab("Rules", viser.Icon.TABLE):
-            rules = RulesView(gui, dispatch)
+            rules = RulesView(gui, self.store)
         with design.add_tab("Membership", viser.Icon.CHART_AREA):
-            membership = MembershipView(gui, dispatch)
+            membership = MembershipView(gui, self.store)
         with design.add_tab("Inference", viser.Icon.MATH_FUNCTION):
-            inference = InferenceView(gui, dispatch)
-            explanation = ExplainView(gui, dispatch)
+            inference = InferenceView(gui, self.store)
+            explanation = ExplainView(gui, self.store)
         with design.add_tab("Files", viser.Icon.FOLDER):
-            files = FilesView(gui, dispatch, self._filing)
-        run = RunPanels(gui, dispatch)
+            files = FilesView(gui, self.store, self._filing)
+        run = RunPanels(gui, self.store)
         design.dock_left()
         design.set_width(_PANEL_WIDTH)
         gui.main_panel.dock_right()
         gui.main_panel.set_width(_PANEL_WIDTH)
         run.response.dock_below(gui.main_panel)
-        question = QuestionView(gui, dispatch, self._filing, self._journal)
-        scene = Scene(self.server, dispatch, self._runner.pull)
+        question = QuestionView(gui, self.store.dispatch, self._filing, self._journal)
+        scene = Scene(self.server, self.store, self._runner.pull)
         self._live_views = [scene, rules, membership, explanation, *run.live_views]
-        self.store.add(self._journal, self._runner, rules, membership, inference, explanation, files, question)
-        self.store.add(scene, *run.views)
+        self.store.add(self._journal, self._runner, *rules.views, *membership.views, *inference.views, explanation)
+        self.store.add(*files.views, question, *scene.views, *run.views)
         self._add_commands(run.playback)
 
     def _add_commands(self, playback: PlaybackView) -> None:

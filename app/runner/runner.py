@@ -11,6 +11,7 @@ from app.runner.frames import Frame, ghosts, resting_frame, sample_at
 from app.runner.live import LiveSimulation
 from app.runner.previews import Post, Previews
 from app.state import AppState, Notice, Noticed, Playback, Setup
+from app.store import Shown
 from fuzzy.inference import Controller
 from fuzzy.kernels.address import Directory
 from fuzzy.kernels.inference import call
@@ -34,6 +35,10 @@ class Runner:
         self._playback: Playback | None = None
         self._replay_time = 0.0
         self._blocks: tuple[Controller, Directory] | None = None
+
+    def shows(self, state: AppState) -> Shown:
+        """Return what the background work depends on."""
+        return state.document, state.setup, state.playback
 
     def render(self, state: AppState) -> None:
         """Order what a changed state needs."""

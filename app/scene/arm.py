@@ -14,6 +14,7 @@ from app.runner import Frame
 from app.scene.stage import base_height
 from app.scene.tube import tube_faces, tube_vertices
 from app.state import MAX_KEPT, AppState
+from app.store import Shown
 from robot import kinematics
 from robot.arm import Arm, parameters
 
@@ -59,6 +60,10 @@ class ArmView:
         self._target: Array | None = None
         self._hides_target = False
         self._hides_kept = False
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return (state.hidden,)
 
     def render(self, state: AppState) -> None:
         """Show or hide the ghosts."""

@@ -14,7 +14,7 @@ from app.palette import RGB, linear, term_color
 from app.runner import Frame
 from app.scene.stage import BOARD, SIDE, shares_to_floor
 from app.state import AppState
-from app.store import Dispatch
+from app.store import Shown, Store
 from fuzzy import edits
 from fuzzy.system import Variable
 
@@ -40,10 +40,9 @@ Key = tuple[str | tuple[str, ...], ...]
 class BoardView:
     """Tiles and their names, made anew only for another grid."""
 
-    def __init__(self, scene: viser.SceneApi, dispatch: Dispatch) -> None:
+    def __init__(self, scene: viser.SceneApi, store: Store) -> None:
         self._scene = scene
-        self._dispatch = dispatch
-        self._state: AppState | None = None
+        self._store = store
         self._key: Key | None = None
         self._tiles: Any = None
         self._labels: list[Any] = []
@@ -51,9 +50,12 @@ class BoardView:
         self._colors = np.empty((0, 3))
         self._strengths = np.empty(0)
 
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.document, state.design.grid, state.hidden
+
     def render(self, state: AppState) -> None:
         """Colour the tiles by what their rules conclude."""
-        before, self._state = self._state, state
         shown = shown_grid(state)
         if shown is None or "board" in state.hidden:
             self._set_visible(False)
@@ -65,14 +67,13 @@ class BoardView:
             self._build(rows, columns)
             self._key = key
         self._set_visible(True)
-        is_same = before is not None and before.document is state.document and before.design.grid == state.design.grid
-        if is_same and not is_new:
-            return
         names = _names(output)
         cells = [cell for row in edits.grid_cells(state.document, shown) for cell in row]
         colors = [_EMPTY if cell is None else term_color(names.index(cell), len(names)) for cell in cells]
-        self._colors = np.array(colors, dtype=np.float64)
-        self._numbers = np.array(edits.grid_rule_numbers(state.document, shown)).ravel()
+        numbers = np.array(edits.grid_rule_numbers(state.document, shown)).ravel()
+        if not is_new and np.array_equal(colors, self._colors) and np.array_equal(numbers, self._numbers):
+            return
+        self._colors, self._numbers = np.array(colors, dtype=np.float64), numbers
         self._strengths = np.zeros(len(cells))
         self._draw()
 
@@ -142,10 +143,10 @@ class BoardView:
                 part.visible = is_visible
 
     async def _clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
-        state, number = self._state, event.instance_index
-        edit = None if state is None or number is None else painted(state, number)
+        state, number = self._store.state, event.instance_index
+        edit = None if number is None else painted(state, number)
         if edit is not None:
-            self._dispatch(edit)
+            self._store.dispatch(edit)
 
 
 def _names(variable: Variable) -> tuple[str, ...]:

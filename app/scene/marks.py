@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from app.runner import Frame
 from app.scene.stage import base_height, to_scene
 from app.state import AppState
+from app.store import Shown
 from robot import kinematics
 
 Array = NDArray[np.float64]
@@ -45,6 +46,10 @@ class MarksView:
             "/marks/hand", nothing, _HAND_COLOR, shaft_radius=0.004, head_radius=0.010, head_length=0.022, visible=False
         )
         self._force = scene.add_label("/marks/force", "", visible=False)
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return (state.hidden,)
 
     def render(self, state: AppState) -> None:
         """Show or hide the layers."""

@@ -15,8 +15,7 @@ from app.scene.board import BoardView
 from app.scene.marks import MarksView
 from app.scene.stage import CAMERAS, base_height, to_plane
 from app.scene.surface import SurfaceView
-from app.state import AppState
-from app.store import Dispatch
+from app.store import Store
 from robot.pull import Pull, nearest_point
 
 _FARTHEST = 3.0
@@ -29,42 +28,39 @@ SetPull = Callable[[Pull | None], None]
 
 
 class Scene:
-    """All groups of the scene as one view.
+    """All groups of the scene.
 
     Args:
         server: The server.
-        dispatch: Where events go.
+        store: Holds the state.
         pull: Lets a hand pull the arm, or let go.
+
+    Attributes:
+        views: The groups.
     """
 
-    def __init__(self, server: viser.ViserServer, dispatch: Dispatch, pull: SetPull) -> None:
+    def __init__(self, server: viser.ViserServer, store: Store, pull: SetPull) -> None:
         light(server.scene)
         camera = server.initial_camera
         camera.position, camera.look_at = CAMERAS["all"]
         self._pull = pull
         self._point: float | None = None
         self._frame: Frame | None = None
-        self._state: AppState | None = None
+        self._store = store
         self._arm = ArmView(server.scene, self._hold)
-        self._parts = (
+        self.views = (
             self._arm,
             MarksView(server.scene),
-            BoardView(server.scene, dispatch),
-            SurfaceView(server.scene),
+            BoardView(server.scene, store),
+            SurfaceView(server.scene, store),
         )
         server.on_client_connect(_step_back)
         server.on_client_disconnect(self._let_go)
 
-    def render(self, state: AppState) -> None:
-        """Show the state in every group."""
-        self._state = state
-        for part in self._parts:
-            part.render(state)
-
     def show(self, frame: Frame) -> None:
         """Show a frame in every group."""
         self._frame = frame
-        for part in self._parts:
+        for part in self.views:
             part.show(frame)
 
     def _hold(self, body: viser.MeshHandle) -> None:
@@ -72,8 +68,8 @@ class Scene:
         body.on_drag("left", modifier="shift")(self._dragged)
 
     async def _dragged(self, event: viser.SceneNodeDragEvent[Any]) -> None:
-        frame, state = self._frame, self._state
-        if frame is None or state is None or event.phase == "end" or state.playback.source != "live":
+        frame, state = self._frame, self._store.state
+        if frame is None or event.phase == "end" or state.playback.source != "live":
             self._point = None
             self._pull(None)
             return

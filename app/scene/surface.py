@@ -13,9 +13,11 @@ from app.runner import Frame
 from app.scene.glb import colored_mesh
 from app.scene.stage import RISE, SURFACE, shares_to_floor
 from app.state import AppState, Result
+from app.store import Shown, Store, is_same
 from app.widgets import coordinate_label
 from fuzzy.analysis import Surface
 from fuzzy.system import FuzzySystem, Variable
+from robot import controllers
 
 Array = NDArray[np.float64]
 
@@ -35,45 +37,48 @@ _TO_GLTF = (0.70710678, 0.70710678, 0.0, 0.0)
 class SurfaceView:
     """Mesh, ways and places; the mesh is sent again only for another document."""
 
-    def __init__(self, scene: viser.SceneApi) -> None:
+    def __init__(self, scene: viser.SceneApi, store: Store) -> None:
         self._scene = scene
-        self._state: AppState | None = None
+        self._store = store
         self._drawn: Surface | None = None
         self._mesh: Any = None
         self._labels: list[Any] = []
         self._ways: dict[int, Any] = {}
         self._places: dict[int, Any] = {}
-        self._shown: tuple[object, ...] = ()
+        self._ways_drawn: Shown = ()
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        runs = state.runs
+        return runs.surface, runs.current, state.coordinate, state.others, state.hidden
 
     def render(self, state: AppState) -> None:
         """Draw the surface of the document that runs, and the ways of the chosen coordinates."""
-        self._state = state
         surface, current = state.runs.surface, state.runs.current
         is_visible = "surface" not in state.hidden and surface is not None
         for part in (self._mesh, *self._labels):
             if part is not None and part.visible != is_visible:
                 part.visible = is_visible
-        shown = (surface, current, state.coordinate, state.others, is_visible)
-        if self._shown and all(a is b for a, b in zip(shown, self._shown, strict=True)):
+        ways, self._ways_drawn = self._ways_drawn, self.shows(state)
+        if is_same(ways, self._ways_drawn):
             return
-        self._shown = shown
         for parts in (self._ways, self._places):
             for i in tuple(parts):
                 if not is_visible or i not in state.coordinates or current is None:
                     parts.pop(i).remove()
         if not is_visible or surface is None:
             return
-        if surface is not self._drawn:
+        if surface is not self._drawn and _is_of(surface, state.document):
             self._drawn = surface
             self._draw(state.document, surface)
         if current is not None and current.run.output.size:
             for i in state.coordinates:
-                self._draw_way(state.document, current, i)
+                self._draw_way(current, i)
 
     def show(self, frame: Frame) -> None:
         """Move the places of the chosen coordinates."""
-        state = self._state
-        if state is None or self._drawn is None or "surface" in state.hidden or frame.inference is None:
+        state = self._store.state
+        if self._drawn is None or "surface" in state.hidden or frame.inference is None:
             for i in tuple(self._places):
                 self._places.pop(i).remove()
             return
@@ -121,13 +126,14 @@ class SurfaceView:
         top = (x, y, SURFACE[2] + _FLOOR_GAP + RISE + 0.03)
         self._labels.append(self._scene.add_label("/surface/names/output", surface.output, position=top))
 
-    def _draw_way(self, system: FuzzySystem, result: Result, i: int) -> None:
+    def _draw_way(self, result: Result, i: int) -> None:
         run = result.drawn
+        blocks = controllers.inference_of(run.controller)
         every = max(1, len(run.t) // _WAY_POINTS)
         block = np.concatenate([run.inputs[:, i], run.output[:, i : i + 1]], axis=1)[::every]
-        if len(system.inputs) != 2 or len(block) < 2 or not np.isfinite(block).all():
+        if blocks is None or len(blocks.system.inputs) != 2 or len(block) < 2 or not np.isfinite(block).all():
             return
-        way = _on_surface(system, block)
+        way = _on_surface(blocks.system, block)
         points = np.stack([way[:-1], way[1:]], axis=1).astype(np.float32)
         if i in self._ways:
             self._ways[i].points = points
@@ -135,6 +141,13 @@ class SurfaceView:
             self._ways[i] = self._scene.add_line_segments(
                 f"/surface/ways/{coordinate_label(run.arm.coordinates[i])}", points, _color(i), thickness=0.003
             )
+
+
+def _is_of(surface: Surface, document: FuzzySystem) -> bool:
+    """Return whether a document has the variables of a surface, which may be that of one before a renaming."""
+    inputs = [variable.name for variable in document.inputs]
+    is_named = surface.output in [variable.name for variable in document.outputs]
+    return is_named and inputs == [surface.y_name, surface.x_name]
 
 
 def _share(variable: Variable, value: Array) -> Array:

@@ -10,34 +10,35 @@ import viser
 from app import clean
 from app.palette import KEPT, MUTED, css
 from app.state import MAX_KEPT, AppState, Edit, KeptRemoved, KeptRenamed, RunKept
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.widgets import div, escape, number, on_input
 
 
 class BaselinesView:
     """A button that keeps the present run, and one row for each that is kept."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
-        self._state: AppState | None = None
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
+        self._store = store
         self._list = gui.add_html("")
         keep = gui.add_button("Keep as baseline", hint="Its arm, curves and figures stay beside the present run")
-        on_input(keep, dispatch, lambda _: RunKept())
+        on_input(keep, store.dispatch, lambda _: RunKept())
         self._names: list[Any] = []
         for slot in range(MAX_KEPT):
             name = gui.add_text(f"name {slot + 1}", "", visible=False)
-            on_input(name, dispatch, partial(_rename, slot))
+            on_input(name, store.dispatch, partial(_rename, slot))
             self._names.append(name)
         self._use = gui.add_button_group("use again", ("–",), visible=False, hint="Take back that baseline's rules")
-        on_input(self._use, dispatch, self._take_back)
+        on_input(self._use, store.dispatch, self._take_back)
         self._remove = gui.add_button_group("remove", ("–",), visible=False)
-        on_input(self._remove, dispatch, lambda value: KeptRemoved(self._slot(value)))
+        on_input(self._remove, store.dispatch, lambda value: KeptRemoved(self._slot(value)))
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return (state.runs.kept,)
 
     def render(self, state: AppState) -> None:
         """Show what is kept."""
-        before, self._state = self._state, state
         kept = state.runs.kept
-        if before is not None and before.runs.kept is kept and before.notice is state.notice:
-            return
         by_slot = {one.slot: one for one in kept}
         for slot, handle in enumerate(self._names):
             handle.visible = slot in by_slot
@@ -57,14 +58,12 @@ class BaselinesView:
         self._list.content = div(text, "" if kept else f"color:{MUTED}")
 
     def _slot(self, value: object) -> int:
-        assert self._state is not None
-        slots = {str(one.slot + 1): one.slot for one in self._state.runs.kept}
+        slots = {str(one.slot + 1): one.slot for one in self._store.state.runs.kept}
         return slots[clean.choice(value, slots, "the baseline")]
 
     def _take_back(self, value: object) -> Edit:
-        assert self._state is not None
         slot = self._slot(value)
-        one = next(one for one in self._state.runs.kept if one.slot == slot)
+        one = next(one for one in self._store.state.runs.kept if one.slot == slot)
         return Edit(f"rules of baseline '{one.name}'", lambda _: one.document)
 
 

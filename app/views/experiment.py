@@ -12,7 +12,7 @@ import viser
 from app import clean, experiment
 from app.palette import MUTED
 from app.state import AppState, Setup, SetupChanged
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.widgets import coordinate_label, div, number, on_input
 from robot import controllers
 from robot.arm import PRESETS, Arm
@@ -161,9 +161,8 @@ _LIMIT_FIELDS = (
 class ExperimentView:
     """Controller, scenario, arm and all their parameters."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
-        self._state: AppState | None = None
-        self._shown: tuple[object, ...] = ()
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
+        self._store = store
         self._choices: dict[str, Any] = {}
         self._options: dict[str, dict[str, str]] = {
             "controller": {f"{name} · {_CONTROLLERS[name]}": name for name in controllers.NAMES},
@@ -173,32 +172,30 @@ class ExperimentView:
         }
         for field, options in self._options.items():
             self._choices[field] = gui.add_dropdown(field, tuple(options))
-            on_input(self._choices[field], dispatch, partial(self._choose, field))
+            on_input(self._choices[field], store.dispatch, partial(self._choose, field))
         self._frequency = gui.add_number("ωn [rad/s]", 1.0, step=1.0, hint="Natural frequency of the error dynamics")
-        on_input(self._frequency, dispatch, _frequency_event)
+        on_input(self._frequency, store.dispatch, _frequency_event)
         self._fields: list[tuple[Field, Any]] = []
         for title, fields in FORMS.items():
             with gui.add_folder(title, expand_by_default=False):
                 if title == "Disturbance":
                     self._nothing = gui.add_html(div("No disturbance is chosen.", f"color:{MUTED}"))
                     self._coordinate: Any = gui.add_dropdown("pulse on", ("–",))
-                    on_input(self._coordinate, dispatch, self._choose_coordinate)
-                self._fields += [(field, _add(gui, dispatch, field)) for field in fields]
+                    on_input(self._coordinate, store.dispatch, self._choose_coordinate)
+                self._fields += [(field, _add(gui, store, field)) for field in fields]
                 if title == "Gains":
                     self._gains = gui.add_html("")
                 if title == "Mismatch and limits":
                     self._limited = gui.add_checkbox("limit forces", initial_value=False)
-                    on_input(self._limited, dispatch, _limit_event)
-                    self._limits = [(field, _add(gui, dispatch, field)) for field in _LIMIT_FIELDS]
+                    on_input(self._limited, store.dispatch, _limit_event)
+                    self._limits = [(field, _add(gui, store, field)) for field in _LIMIT_FIELDS]
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.setup, state.runs.current, state.coordinate
 
     def render(self, state: AppState) -> None:
         """Show the setup; hide what would do nothing."""
-        current = None if state.runs.current is None else state.runs.current.run.controller
-        shown = (state.setup, current, state.coordinate, state.notice)
-        self._state = state
-        if self._shown and all(a is b for a, b in zip(shown, self._shown, strict=True)):
-            return
-        self._shown = shown
         setup = state.setup
         self._render_choices(setup)
         frequency = experiment.natural_frequency(setup)
@@ -232,25 +229,23 @@ class ExperimentView:
     def _choose(self, field: str, value: object) -> SetupChanged:
         options = self._options[field]
         name = options[clean.choice(value, options, f"the {field}")]
-        assert self._state is not None
         changes = {field: name}
-        if field == "scenario" and self._state.setup.disturbance not in experiment.disturbances(name):
+        if field == "scenario" and self._store.state.setup.disturbance not in experiment.disturbances(name):
             changes["disturbance"] = "none"
         return SetupChanged(changes)
 
     def _choose_coordinate(self, value: object) -> SetupChanged:
-        assert self._state is not None
-        names = {coordinate_label(name): name for name in Arm.preset(self._state.setup.arm).coordinates}
+        names = {coordinate_label(name): name for name in Arm.preset(self._store.state.setup.arm).coordinates}
         return SetupChanged({"pulse_coordinate": names[clean.choice(value, names, "the coordinate")]})
 
 
-def _add(gui: viser.GuiApi, dispatch: Dispatch, field: Field) -> Any:
+def _add(gui: viser.GuiApi, store: Store, field: Field) -> Any:
     initial = min(max(0.0, field.low), field.high)
     add: Any = gui.add_slider if field.slides else gui.add_number
     handle: Any = add(
         field.label, min=field.low, max=field.high, step=field.step, initial_value=initial, hint=field.hint
     )
-    on_input(handle, dispatch, partial(_event, field))
+    on_input(handle, store.dispatch, partial(_event, field))
     return handle
 
 

@@ -13,7 +13,7 @@ from app import clean, exports
 from app.clean import Refused
 from app.palette import KEPT, PID
 from app.state import AppState, Event, Notice, Noticed
-from app.store import Dispatch
+from app.store import Store
 from app.widgets import div
 
 _FORMATS = {"CSV": "csv", "NPZ": "npz", "PNG": "png", "HTML": "html"}
@@ -23,9 +23,8 @@ _FORMATS = {"CSV": "csv", "NPZ": "npz", "PNG": "png", "HTML": "html"}
 class ExportView:
     """Buttons for every format; the files are made off the event loop, one at a time."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
-        self._dispatch = dispatch
-        self._state: AppState | None = None
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
+        self._store = store
         self._is_busy = False
         buttons = gui.add_button_group("save run as", tuple(_FORMATS))
         buttons.on_click(self._save)
@@ -34,24 +33,20 @@ class ExportView:
         )
         gui.add_html(div(text, "opacity:.6"))
 
-    def render(self, state: AppState) -> None:
-        """Remember the run."""
-        self._state = state
-
     async def _save(self, event: viser.GuiEvent[Any]) -> None:
-        if event.client is None or self._state is None:
+        if event.client is None:
             return
         try:
             suffix = _FORMATS[clean.choice(event.target.value, _FORMATS, "the format")]
         except Refused as refusal:
-            self._dispatch(_failed(f"Refused: {refusal}."))
+            self._store.dispatch(_failed(f"Refused: {refusal}."))
             return
         if self._is_busy:
-            self._dispatch(_failed("A file is being made already."))
+            self._store.dispatch(_failed("A file is being made already."))
             return
         self._is_busy = True
         try:
-            self._dispatch(await self._made(event.client, self._state, suffix))
+            self._store.dispatch(await self._made(event.client, self._store.state, suffix))
         finally:
             self._is_busy = False
 

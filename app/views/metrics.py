@@ -9,6 +9,7 @@ import viser
 
 from app.palette import BAD, GOOD, KEPT, MUTED, css
 from app.state import AppState, Result
+from app.store import Shown
 from app.widgets import div, escape, number
 
 _ROWS = {
@@ -63,6 +64,11 @@ class MetricsView:
 
     def __init__(self, gui: viser.GuiApi) -> None:
         self._table = gui.add_html("")
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        runs = state.runs
+        return runs.current, runs.before, runs.pid, runs.kept
 
     def render(self, state: AppState) -> None:
         """Show the metrics of the runs that there are."""

@@ -8,7 +8,7 @@ from app import clean
 from app.palette import BAD, ERROR, GOOD, MUTED
 from app.runner import Frame
 from app.state import SPEEDS, AppState, Event, Playback, PlaybackChanged, ResetRequested
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.widgets import MARK, div, escape, on_input
 
 _SPEEDS = {f"{speed:g}×": speed for speed in SPEEDS}
@@ -22,24 +22,30 @@ _SLOW = 0.9
 class PlaybackView:
     """Notice, play, pause, steps, reset, loop, the time, live or replay, and the speed."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
         self._duration = 3.0
         self._now = 0.0
+        self._has_moved = False
         self._notice = gui.add_html("")
         self._buttons = gui.add_button_group("time", _BUTTONS)
-        on_input(self._buttons, dispatch, self._press)
+        on_input(self._buttons, store.dispatch, self._press)
         self._time = gui.add_slider("t [s]", 0.0, self._duration, _TIME_STEP, 0.0)
-        on_input(self._time, dispatch, self._scrub)
+        on_input(self._time, store.dispatch, self._scrub)
         self._source = gui.add_dropdown("source", tuple(_SOURCES))
-        on_input(self._source, dispatch, lambda v: PlaybackChanged({"source": _SOURCES[clean.choice(v, _SOURCES)]}))
+        on_input(
+            self._source, store.dispatch, lambda v: PlaybackChanged({"source": _SOURCES[clean.choice(v, _SOURCES)]})
+        )
         self._speed = gui.add_dropdown("speed", tuple(_SPEEDS))
-        on_input(self._speed, dispatch, lambda v: PlaybackChanged({"speed": _SPEEDS[clean.choice(v, _SPEEDS)]}))
+        on_input(self._speed, store.dispatch, lambda v: PlaybackChanged({"speed": _SPEEDS[clean.choice(v, _SPEEDS)]}))
         self._status = gui.add_html("")
-        self._state: AppState | None = None
+        self._store = store
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.playback, state.runs.current, state.progress, state.notice, state.past
 
     def render(self, state: AppState) -> None:
         """Show the notice and how time passes."""
-        before, self._state = self._state, state
         playback = state.playback
         self._source.value = next(text for text, name in _SOURCES.items() if name == playback.source)
         self._speed.value = next(text for text, speed in _SPEEDS.items() if speed == playback.speed)
@@ -52,19 +58,19 @@ class PlaybackView:
         if not playback.is_playing and playback.source == "replay":
             time = min(playback.time, self._duration)
             self._now = time
-            if before is not None and before.playback.is_playing:
+            if self._has_moved:
                 # Frames that were on their way have moved the browser's slider since: equal values would not be sent.
+                self._has_moved = False
                 self._time.value = time + _TIME_STEP / 2
             self._time.value = time
         self._notice.content = _notice_html(state)
 
     def show(self, frame: Frame) -> None:
         """Show where time is, and how fast it passes."""
-        state = self._state
-        if state is None:
-            return
+        state = self._store.state
         self._now = min(frame.t, self._duration)
         if state.playback.is_playing:
+            self._has_moved = True
             self._time.value = round(self._now / _TIME_STEP) * _TIME_STEP
         self._status.content = _status_html(state, frame)
 
@@ -75,9 +81,8 @@ class PlaybackView:
         return PlaybackChanged({"source": "replay", "is_playing": False, "time": time})
 
     def _press(self, value: object) -> Event:
-        assert self._state is not None
         text = value.removeprefix(MARK) if isinstance(value, str) else value
-        playback: Playback = self._state.playback
+        playback: Playback = self._store.state.playback
         match clean.choice(text, _BUTTONS):
             case "reset":
                 return ResetRequested()

@@ -15,7 +15,7 @@ from app.charts import Line, add_chart, resampled, series
 from app.palette import BEFORE, COORDINATES, KEPT, PID, REFERENCE, RUN, css
 from app.runner import Frame
 from app.state import CHARTS, MAX_KEPT, AppState, Chart, Result, Selected
-from app.store import Dispatch
+from app.store import Shown, Store, is_same
 from app.widgets import MARK, ChoiceGroup, coordinate_label, div, escape, on_input
 from robot.arm import PRESETS, Arm
 
@@ -45,16 +45,16 @@ class _Drawn(NamedTuple):
 class PlotsView:
     """A chart for each chosen coordinate, then charts of the chosen coordinate's other signals."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
         self._labels: tuple[str, ...] = ()
-        self._state: AppState | None = None
-        self._shown: tuple[object, ...] = ()
+        self._store = store
+        self._drawn: Shown = ()
         self._at = -1.0
-        self._coordinate = ChoiceGroup(gui, "coordinate", dispatch, self._choose)
+        self._coordinate = ChoiceGroup(gui, "coordinate", store.dispatch, self._choose)
         self._others: Any = gui.add_button_group("also", ("–",), visible=False)
-        on_input(self._others, dispatch, self._toggle_other)
+        on_input(self._others, store.dispatch, self._toggle_other)
         self._signals: Any = gui.add_button_group("below", tuple(_NAMES.values()), visible=False)
-        on_input(self._signals, dispatch, self._toggle_chart)
+        on_input(self._signals, store.dispatch, self._toggle_chart)
         self._coordinate.set_visible(False)
         # The cursor is a style sheet: a curve would have to be sent whole to move.
         self._cursor = gui.add_html(f'<i id="{_MARKER}"></i>')
@@ -65,14 +65,17 @@ class PlotsView:
             own = _force_lines(_COORDINATES, ()) if name == "forces" else _lines(())
             self._charts[name] = _add(gui, own, _HEIGHTS[name])
 
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        runs = state.runs
+        return runs.current, runs.before, runs.pid, runs.kept, state.coordinate, state.others, state.charts
+
     def render(self, state: AppState) -> None:
         """Redraw when a run or a choice has changed."""
-        self._state = state
         runs = state.runs
-        shown = (runs.current, runs.before, runs.pid, runs.kept, state.coordinate, state.others, state.charts)
-        if runs.current is None or (self._shown and all(a is b for a, b in zip(shown, self._shown, strict=True))):
+        before, self._drawn = self._drawn, self.shows(state)
+        if runs.current is None or is_same(before, self._drawn):
             return
-        self._shown = shown
         self._render_choices(state, runs.current)
         t = np.linspace(0.0, runs.current.run.scenario.duration, _POINTS)
         for i, drawn in enumerate(self._responses):
@@ -87,9 +90,10 @@ class PlotsView:
 
     def show(self, frame: Frame) -> None:
         """Put the time cursor where the arm is."""
-        if self._state is None or self._state.runs.current is None:
+        current = self._store.state.runs.current
+        if current is None:
             return
-        at = min(frame.t / self._state.runs.current.run.scenario.duration, 1.0)
+        at = min(frame.t / current.run.scenario.duration, 1.0)
         if abs(at - self._at) < _CURSOR_STEP:
             return
         self._at = at
@@ -161,16 +165,14 @@ class PlotsView:
         return Selected({"coordinate": self._labels.index(label)})
 
     def _toggle_other(self, value: object) -> Selected:
-        assert self._state is not None
         chosen = self._labels.index(clean.choice(_unmarked(value), self._labels, "the coordinate"))
-        others = set(self._state.others) ^ {chosen}
+        others = set(self._store.state.others) ^ {chosen}
         return Selected({"others": tuple(sorted(others))})
 
     def _toggle_chart(self, value: object) -> Selected:
-        assert self._state is not None
         texts = {text: name for name, text in _NAMES.items()}
         chosen = texts[clean.choice(_unmarked(value), texts, "the chart")]
-        return Selected({"charts": self._state.charts ^ {chosen}})
+        return Selected({"charts": self._store.state.charts ^ {chosen}})
 
 
 def _unmarked(value: object) -> object:

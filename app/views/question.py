@@ -11,7 +11,7 @@ import viser
 from app.filing import Filing
 from app.journal import Journal
 from app.state import AppState, Asked, Conflict, Question, Recovered, Recovery
-from app.store import Dispatch
+from app.store import Dispatch, Shown
 from app.widgets import Meaning, div, escape, on_input
 
 _OVERWRITE = "Save mine over it"
@@ -39,6 +39,10 @@ class QuestionView:
         self._journal = journal
         self._asked: Question | None = None
         self._window: Any = None
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return (state.question,)
 
     def render(self, state: AppState) -> None:
         """Open or close the window."""

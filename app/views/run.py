@@ -6,7 +6,7 @@ from typing import Any
 
 import viser
 
-from app.store import Dispatch
+from app.store import Store
 from app.views.baselines import BaselinesView
 from app.views.experiment import ExperimentView
 from app.views.export import ExportView
@@ -27,21 +27,21 @@ class RunPanels:
         response: The lower panel, to be docked.
     """
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
-        self.playback = PlaybackView(gui, dispatch)
-        experiment = ExperimentView(gui, dispatch)
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
+        self.playback = PlaybackView(gui, store)
+        experiment = ExperimentView(gui, store)
         with gui.add_folder("Baselines", expand_by_default=False):
-            baselines = BaselinesView(gui, dispatch)
+            baselines = BaselinesView(gui, store)
         with gui.add_folder("View", expand_by_default=False):
-            stage = StageView(gui, dispatch)
+            stage = StageView(gui, store)
         with gui.add_folder("Save", expand_by_default=False):
-            export = ExportView(gui, dispatch)
+            ExportView(gui, store)
         self.response = gui.add_panel()
         with self.response.add_tab("Plots", viser.Icon.CHART_LINE):
-            plots = PlotsView(gui, dispatch)
+            plots = PlotsView(gui, store)
         with self.response.add_tab("Metrics", viser.Icon.LIST_NUMBERS):
             metrics = MetricsView(gui)
         with self.response.add_tab("Why", viser.Icon.QUESTION_MARK):
-            why = WhyView(gui, dispatch)
-        self.views: tuple[Any, ...] = (self.playback, experiment, baselines, stage, export, plots, metrics, why)
+            why = WhyView(gui, store)
+        self.views: tuple[Any, ...] = (self.playback, experiment, baselines, stage, plots, metrics, why)
         self.live_views: tuple[Any, ...] = (self.playback, plots, why)

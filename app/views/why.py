@@ -11,7 +11,7 @@ import viser
 from app.palette import BAD, GOOD, MUTED, css, term_color
 from app.runner import Frame
 from app.state import Advice, AppState, Edit
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.widgets import coordinate_label, div, escape, number, on_input
 from fuzzy.analysis import Contribution, Contributions, contributions, stepped
 from fuzzy.inference import Controller
@@ -25,17 +25,20 @@ _PERIOD = 0.2
 class WhyView:
     """A sentence and a bar for every rule that fires, for the chosen coordinate at the time that is shown."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
-        self._state: AppState | None = None
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
+        self._store = store
         self._shown_at = 0.0
         self._now = gui.add_html("")
         self._advice = gui.add_html("")
         self._try = gui.add_button("Try it", visible=False, hint="Paint the cell as proposed; Ctrl+Z takes it back")
-        on_input(self._try, dispatch, lambda _: self._proposed())
+        on_input(self._try, store.dispatch, lambda _: self._proposed())
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.runs.current, state.runs.advice, state.coordinate
 
     def render(self, state: AppState) -> None:
         """Show the advice for the chosen coordinate."""
-        self._state = state
         if state.runs.current is None:
             return
         found = _advice_for(state)
@@ -45,17 +48,17 @@ class WhyView:
     def show(self, frame: Frame) -> None:
         """Explain the output of this moment."""
         now = time.monotonic()
-        if self._state is None or (now - self._shown_at < _PERIOD and self._state.playback.is_playing):
+        if now - self._shown_at < _PERIOD and self._store.state.playback.is_playing:
             return
         self._shown_at = now
         if frame.inference is None or not np.isfinite(frame.inputs).all():
             self._now.content = div("This control law asks no rules: nothing to explain.", f"color:{MUTED}")
             return
         found = contributions(frame.inference, frame.inputs)
-        self._now.content = _moment_html(frame, frame.inference, found, self._state.coordinate)
+        self._now.content = _moment_html(frame, frame.inference, found, self._store.state.coordinate)
 
     def _proposed(self) -> Edit | None:
-        found = None if self._state is None else _advice_for(self._state)
+        found = _advice_for(self._store.state)
         if found is None or found.rule is None or found.term is None:
             return None
         label = f"{_short(found.rule.antecedent)} → {found.term}, as proposed"

@@ -94,8 +94,7 @@ class Gui:
 def pressed(state: AppState, *values: object) -> tuple[Client, list[Event]]:
     events: list[Event] = []
     gui, client = Gui(), Client()
-    view = ExportView(cast("Any", gui), events.append)
-    view.render(state)
+    ExportView(cast("Any", gui), cast("Any", SimpleNamespace(state=state, dispatch=events.append)))
 
     async def press() -> None:
         clicks = [SimpleNamespace(client=client, target=SimpleNamespace(value=value)) for value in values]

@@ -29,10 +29,6 @@ def screen(tmp_path: Path) -> Iterator[Screen]:
     server.stop()
 
 
-def panel(screen: Screen) -> Any:
-    return next(view for view in screen.views if type(view).__name__ == "FilesView")
-
-
 class Browser:
     """A browser that keeps what it is sent."""
 
@@ -53,7 +49,7 @@ def call(screen: Screen, callback: Any, value: object, client: object) -> AppSta
 
 def upload(screen: Screen, name: str, content: bytes) -> AppState:
     file = type("File", (), {"name": name, "content": content})()
-    return call(screen, panel(screen)._exchange._receive, file, object())
+    return call(screen, screen.view("ExchangeView")._receive, file, object())
 
 
 def error(state: AppState) -> str:
@@ -78,7 +74,7 @@ def test_a_duplicate_is_a_new_file_and_the_open_one(screen: Screen, tmp_path: Pa
 @pytest.mark.parametrize("suffix", [".yaml", ".fis", ".fll", ".fcl", ".xml"])
 def test_what_is_downloaded_can_be_uploaded_in_every_format(screen: Screen, suffix: str) -> None:
     browser = Browser()
-    state = call(screen, panel(screen)._exchange._download, suffix, browser)
+    state = call(screen, screen.view("ExchangeView")._download, suffix, browser)
     assert state.notice is not None
     assert not state.notice.is_error
     content = browser.files[f"mine{suffix}"]
@@ -86,7 +82,7 @@ def test_what_is_downloaded_can_be_uploaded_in_every_format(screen: Screen, suff
     assert state.upload is not None
     assert state.document is DIAGONAL, "nothing is replaced before the answer"
     assert [v.name for v in state.upload.document.inputs] == ["e", "de"]
-    state = screen.send(panel(screen)._exchange._answer, "replace the document")
+    state = screen.send(screen.view("ExchangeView")._answer, "replace the document")
     assert (state.document.rules, state.file, state.is_unsaved) == (DIAGONAL.rules, None, True)
     assert (state.new_name, state.upload) == ("other", None)
     assert "choose a name" in error(screen.send(screen.find("file"), "save"))
@@ -96,7 +92,7 @@ def test_what_is_downloaded_can_be_uploaded_in_every_format(screen: Screen, suff
 
 def test_an_upload_can_be_discarded(screen: Screen) -> None:
     upload(screen, "other.yaml", formats.dumps(PILTAN).encode())
-    state = screen.send(panel(screen)._exchange._answer, "discard")
+    state = screen.send(screen.view("ExchangeView")._answer, "discard")
     assert state.upload is None
     assert state.document is DIAGONAL
     assert screen.dispatch(Imported()).document is DIAGONAL, "there is nothing to import"
@@ -107,8 +103,8 @@ def test_what_the_import_left_out_and_the_check_finds_stand_in_the_page(screen: 
     state = upload(screen, "other.yaml", formats.dumps(document).encode())
     assert state.upload is not None
     assert state.upload.findings
-    assert "no rule tests" in panel(screen)._exchange._found.content
-    assert "more</span>" in panel(screen)._exchange._found.content
+    assert "no rule tests" in screen.view("ExchangeView")._found.content
+    assert "more</span>" in screen.view("ExchangeView")._found.content
 
 
 @pytest.mark.parametrize(
@@ -131,7 +127,7 @@ def test_an_upload_that_cannot_be_read_is_refused(screen: Screen, name: str, con
 
 def test_a_click_in_the_history_leads_there(screen: Screen) -> None:
     documents: list[FuzzySystem] = [DIAGONAL, *(screen.dispatch(painted(row)).document for row in range(3))]
-    assert "as it was opened" in panel(screen)._history._rows.content
+    assert "as it was opened" in screen.view("HistoryView")._rows.content
     state = screen.send(screen.find("step 3 of the history"), True)
     assert state.document == documents[1], "the newest stands above"
     assert (len(state.past), len(state.future)) == (1, 2)

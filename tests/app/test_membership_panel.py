@@ -203,7 +203,7 @@ def test_a_variable_gets_another_number_of_terms(screen: Screen) -> None:
 def test_the_live_value_is_a_line_over_the_chart_and_in_the_legend(screen: Screen) -> None:
     run = simulated(DIAGONAL)
     screen.dispatch(finished(DIAGONAL))
-    view = screen.views[1]
+    view = screen.view("MembershipView")
     screen.show(frame_of(run, 60, strengths(DIAGONAL, run, 60)))
     assert 'id="now"' in view._cursor.content
     assert f"now e = {run.inputs[60, 0, 0]:.3f}" in view._legend.content
@@ -215,7 +215,7 @@ def test_the_live_value_is_a_line_over_the_chart_and_in_the_legend(screen: Scree
 def test_each_variable_has_the_gain_that_stands_at_it(screen: Screen) -> None:
     screen.dispatch(SetupChanged({"controller": "fuzzy_flc"}))
     screen.dispatch(finished(DIAGONAL))
-    view = screen.views[1]._gain
+    view = screen.view("GainView")
     for name, gain in (("e", "ge"), ("de", "gc"), ("T", "gu")):
         screen.dispatch(Selected({"variable": name}))
         assert view._factor.label == f"{gain.upper()} ×"
@@ -238,13 +238,13 @@ def test_every_shape_is_drawn_and_all_its_thumbs_can_be_dragged(screen: Screen, 
     term = variable(state, "e").terms[4]
     assert shapes.kind(term.shape) == kind
     assert shape_thumbs("PS", term.shape)
-    for number in range(len(screen.views[1]._points._slider.value)):
-        slider = screen.views[1]._points._slider
+    for number in range(len(screen.view("PointsView")._slider.value)):
+        slider = screen.view("PointsView")._slider
         values = list(slider.value)
         if number >= len(values):
             break  # a point that was moved out of the chart
         values[number] = min(values[number] + 0.01, slider.max)
         before = screen.store.state.document
-        after = screen.send(screen.views[1]._points._slider, values)
+        after = screen.send(screen.view("PointsView")._slider, values)
         assert after.document is not before or after.notice is not None
         assert after.notice is None or after.notice.text.startswith("Not done: ")

@@ -58,7 +58,12 @@ def has_no_error(state: AppState) -> bool:
 def style(screen: Screen) -> str:
     """Return the style sheets that the panel now has."""
     return "".join(
-        handle.content for handle in (screen.views[0]._glow, screen.views[0]._list._glow, screen.views[0]._table)
+        handle.content
+        for handle in (
+            screen.view("RulesView")._glow,
+            screen.view("RuleListView")._glow,
+            screen.view("RulesView")._table,
+        )
     )
 
 
@@ -68,17 +73,17 @@ def test_a_list_is_painted_as_a_grid_and_becomes_a_table(screen: Screen) -> None
     state = screen.send(screen.find("Z, Z"), True)
     assert edits.grid_cells(state.document, Grid("e", "de", "T"))[3][3] == "LL"
     assert len(state.document.rules.list) == 49
-    state = screen.send(screen.views[0]._list._form, "turn the list into a table")
+    state = screen.send(screen.view("RuleListView")._form, "turn the list into a table")
     assert edits.rule_table(state.document).cells[3][3] == "LL"
     assert state.document.rules.list == ()
-    state = screen.send(screen.views[0]._list._form, "turn the table into a list")
+    state = screen.send(screen.view("RuleListView")._form, "turn the table into a list")
     assert state.document.rules.table is None
     assert len(state.document.rules.list) == 49
-    assert has_no_error(screen.send(screen.views[0]._list._form, "turn the list into a table"))
+    assert has_no_error(screen.send(screen.view("RuleListView")._form, "turn the list into a table"))
 
 
 def test_rules_are_written_added_weighed_replaced_and_deleted(screen: Screen) -> None:
-    panel = screen.views[0]._list
+    panel = screen.view("RuleListView")
     screen.send(panel._text, "if e is NB or de is XX then")
     assert "column 21" in panel._error.content
     assert "unknown term of &#x27;de&#x27;: &#x27;XX&#x27;" in panel._error.content
@@ -106,15 +111,15 @@ def test_rules_are_written_added_weighed_replaced_and_deleted(screen: Screen) ->
 
 @pytest.mark.parametrize("text", ["x" * 5000, "\ud800"])
 def test_a_text_that_cannot_be_one_is_refused(screen: Screen, text: object) -> None:
-    state = screen.send(screen.views[0]._list._text, text)
+    state = screen.send(screen.view("RuleListView")._text, text)
     assert state.design.rule_text is None
     assert not has_no_error(state)
-    assert screen.views[0]._list._text.value == ""
+    assert screen.view("RuleListView")._text.value == ""
 
 
 def test_a_long_list_is_turned_page_by_page(screen: Screen) -> None:
     screen.open(LISTED)
-    panel = screen.views[0]._list
+    panel = screen.view("RuleListView")
     assert "1 to 8 of 49" in panel._head.content
     for _ in range(9):
         screen.send(panel._pages, "›")
@@ -142,7 +147,7 @@ def test_a_third_input_is_a_slice(screen: Screen) -> None:
     for label, value in (("rows", "nothing"), ("e is", "XX"), ("output", "e")):
         assert not has_no_error(screen.send(screen.find(label), value))
     screen.open(DIAGONAL)
-    assert not screen.views[0]._axes._place.visible
+    assert not screen.view("AxesView")._place.visible
 
 
 def test_the_table_is_filled_from_gains(screen: Screen) -> None:
@@ -204,9 +209,9 @@ def test_a_table_that_is_too_large_is_not_drawn_and_nothing_breaks(screen: Scree
     screen.sent.clear()
     state = screen.open(large)
     assert len(all_rules(state.document)) == 4096
-    assert "too many terms" in screen.views[0]._table.content
+    assert "too many terms" in screen.view("RulesView")._table.content
     assert sum(isinstance(message, _messages.GuiButtonMessage) for message in screen.sent) == 0
     screen.dispatch(Selected({"brush": "LL"}))
-    assert screen.send(screen.views[0]._fill, "clear").document is state.document
+    assert screen.send(screen.view("RulesView")._fill, "clear").document is state.document
     screen.dispatch(DesignChanged({"page": 3}))
     assert fuzzy.check(state.document) is not None

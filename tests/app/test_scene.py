@@ -66,8 +66,8 @@ class Stage:
         self.run(self._build)
 
     def _build(self) -> None:
-        self.scene = Scene(self.server, self.store.dispatch, self.pulls.append)
-        self.store.add(self.scene)
+        self.scene = Scene(self.server, self.store, self.pulls.append)
+        self.store.add(*self.scene.views)
 
     def run(self, do: Callable[[], object]) -> None:
         async def on_loop() -> None:
@@ -93,7 +93,7 @@ class Stage:
         return {name for name in cast("Any", self.server.scene)._handle_from_node_name if name.startswith(prefix)}
 
     def press(self, number: int | None) -> AppState:
-        board = next(part for part in self.scene._parts if isinstance(part, BoardView))
+        board = next(part for part in self.scene.views if isinstance(part, BoardView))
         self.wait(board._clicked(cast("Any", SimpleNamespace(instance_index=number))))
         return self.store.state
 
@@ -183,7 +183,8 @@ def test_rendering_again_sends_nothing(stage: Stage, result: Result) -> None:
     state = stage.dispatch(finished(result), SurfaceFound(DIAGONAL, surface), Selected({"others": (3,)}))
     stage.sent.clear()
     for _ in range(3):
-        stage.run(lambda: stage.scene.render(state))
+        for view in stage.scene.views:
+            stage.run(lambda view=view: view.render(state))
     assert stage.sent == []
 
 

@@ -110,6 +110,9 @@ def test_an_event_that_cannot_be_applied_changes_nothing_but_the_notice(caplog: 
     rendered: list[AppState] = []
 
     class View:
+        def shows(self, state: AppState) -> tuple[object, ...]:
+            return ()
+
         def render(self, state: AppState) -> None:
             rendered.append(state)
 

@@ -83,14 +83,16 @@ class Screen:
         self.on_loop(lambda: self._build(Storage(folder)))
 
     def _build(self, storage: Storage) -> None:
-        gui, dispatch, filing = self.server.gui, self.store.dispatch, Filing(storage, lambda: self.store.state)
-        run = RunPanels(gui, dispatch)
-        live = (RulesView(gui, dispatch), MembershipView(gui, dispatch), ExplainView(gui, dispatch))
-        self.live_views: list[Any] = [*live, *run.live_views]
-        self.views: list[Any] = [*live, *run.views, InferenceView(gui, dispatch), FilesView(gui, dispatch, filing)]
+        gui, store, filing = self.server.gui, self.store, Filing(storage, lambda: self.store.state)
+        run = RunPanels(gui, store)
+        rules, membership, explanation = RulesView(gui, store), MembershipView(gui, store), ExplainView(gui, store)
         self.pulls: list[Pull | None] = []
-        self.scene = Scene(self.server, dispatch, self.pulls.append)
-        self.store.add(*self.views, self.scene)
+        self.live_views: list[Any] = [rules, membership, explanation, *run.live_views]
+        inference, files = InferenceView(gui, store), FilesView(gui, store, filing)
+        self.scene = Scene(self.server, store, self.pulls.append)
+        self.views: list[Any] = [*rules.views, *membership.views, explanation, *inference.views, *files.views]
+        self.views += [*run.views, *self.scene.views]
+        self.store.add(*self.views)
 
     def on_loop(self, do: Callable[[], Returned]) -> Returned:
         async def run() -> Returned:
@@ -112,6 +114,10 @@ class Screen:
 
     def handles(self) -> dict[str, Any]:
         return self.server.gui._gui_input_handle_from_uuid
+
+    def view(self, name: str) -> Any:
+        """Return the view of a class."""
+        return next(view for view in self.views if type(view).__name__ == name)
 
     def find(self, label: str) -> Any:
         """Return the input with a label."""

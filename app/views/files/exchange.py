@@ -12,7 +12,7 @@ from app import clean
 from app.clean import Refused
 from app.palette import BAD, MUTED
 from app.state import AppState, Event, Imported, Notice, Noticed, Upload, Uploaded
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.widgets import div, escape, on_input
 from fuzzy import formats
 from fuzzy.check import check
@@ -28,20 +28,22 @@ _MOST_REMARKS = 8
 class ExchangeView:
     """Upload, what it brought, and download."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
-        self._dispatch = dispatch
-        self._state: AppState | None = None
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
+        self._store = store
         download = gui.add_button_group("download", tuple(_SUFFIXES), hint="The document, in the format of the suffix")
         download.on_click(self._download)
         upload = gui.add_upload_button("Upload a file", icon=viser.Icon.UPLOAD, hint=" ".join(formats.READABLE))
         upload.on_upload(self._receive)
         self._found = gui.add_html("")
         self._answer = gui.add_button_group("", (_TAKE, _DISCARD))
-        on_input(self._answer, dispatch, _answered)
+        on_input(self._answer, store.dispatch, _answered)
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return (state.upload,)
 
     def render(self, state: AppState) -> None:
         """Show what was uploaded and waits for an answer."""
-        self._state = state
         self._answer.visible = state.upload is not None
         self._found.content = "" if state.upload is None else _upload_html(state.upload)
 
@@ -51,29 +53,29 @@ class ExchangeView:
         uploaded = event.target.value
         try:
             name, content = clean.upload(uploaded.name, uploaded.content)
-            self._dispatch(Uploaded(await asyncio.to_thread(read_upload, name, content)))
+            self._store.dispatch(Uploaded(await asyncio.to_thread(read_upload, name, content)))
         except Refused as refusal:
-            self._dispatch(_failed(f"Refused: {refusal}."))
+            self._store.dispatch(_failed(f"Refused: {refusal}."))
         except FuzzyError as error:
-            self._dispatch(_failed(f"Not read: {error}."))
+            self._store.dispatch(_failed(f"Not read: {error}."))
 
     async def _download(self, event: viser.GuiEvent[Any]) -> None:
-        if event.client is None or self._state is None:
+        if event.client is None:
             return
-        state = self._state
+        state = self._store.state
         try:
             suffix = clean.choice(event.target.value, _SUFFIXES, "the format")
             name = f"{file_stem(state)}{suffix}"
             written = await asyncio.to_thread(formats.write, state.document, _SUFFIXES[suffix], lossy=True)
         except Refused as refusal:
-            self._dispatch(_failed(f"Refused: {refusal}."))
+            self._store.dispatch(_failed(f"Refused: {refusal}."))
             return
         except FuzzyError as error:
-            self._dispatch(_failed(f"Not written: {error}."))
+            self._store.dispatch(_failed(f"Not written: {error}."))
             return
         event.client.send_file_download(name, written.text.encode(), save_immediately=True)
         instead = f" Written otherwise: {'; '.join(written.substitutes)}." if written.substitutes else ""
-        self._dispatch(Noticed(Notice(f"Sent {name}.{instead}")))
+        self._store.dispatch(Noticed(Notice(f"Sent {name}.{instead}")))
 
 
 def read_upload(name: str, content: bytes) -> Upload:

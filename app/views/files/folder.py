@@ -12,7 +12,7 @@ from app import clean
 from app.filing import Filing
 from app.palette import BAD
 from app.state import AppState, Edit, Event, Selected
-from app.store import Dispatch
+from app.store import Shown, Store, View
 from app.views.files.exchange import ExchangeView, file_stem
 from app.views.files.history import HistoryView
 from app.widgets import div, escape, on_input
@@ -23,30 +23,37 @@ _ACTIONS = ("save", "duplicate", "reload")
 
 
 class FilesView:
-    """The rulebases folder and the document's name, notes and history."""
+    """The rulebases folder and the document's name, notes and history.
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch, filing: Filing) -> None:
+    Attributes:
+        views: This and those inside.
+    """
+
+    def __init__(self, gui: viser.GuiApi, store: Store, filing: Filing) -> None:
         self._filing = filing
-        self._state: AppState | None = None
+        self._store = store
         self._current = gui.add_html("")
         self._file: Any = gui.add_dropdown("open", ("",), hint="Opens at once; undo brings back what was open before.")
         actions = gui.add_button_group("file", _ACTIONS)
         self._name = gui.add_text("new name", "")
         save_as = gui.add_button("Save under the new name", icon=viser.Icon.DEVICE_FLOPPY)
-        self._exchange = ExchangeView(gui, dispatch)
+        exchange = ExchangeView(gui, store)
         self._title = gui.add_text("title", "")
         self._notes = gui.add_text("notes", "", multiline=True)
-        self._history = HistoryView(gui, dispatch)
-        on_input(self._file, dispatch, self._open)
-        on_input(actions, dispatch, self._act)
-        on_input(self._name, dispatch, lambda name: Selected({"new_name": clean.text(name, clean.MAX_NAME)}))
-        on_input(save_as, dispatch, lambda _: self._save_as())
-        on_input(self._title, dispatch, _titled)
-        on_input(self._notes, dispatch, _noted)
+        self.views: tuple[View, ...] = (self, exchange, HistoryView(gui, store))
+        on_input(self._file, store.dispatch, self._open)
+        on_input(actions, store.dispatch, self._act)
+        on_input(self._name, store.dispatch, lambda name: Selected({"new_name": clean.text(name, clean.MAX_NAME)}))
+        on_input(save_as, store.dispatch, lambda _: self._save_as())
+        on_input(self._title, store.dispatch, _titled)
+        on_input(self._notes, store.dispatch, _noted)
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.document, state.source, state.files, state.new_name
 
     def render(self, state: AppState) -> None:
-        """Show which file is open, whether it is saved, and the steps that can be undone."""
-        self._state = state
+        """Show which file is open, and whether it is saved."""
         mark = f' <b style="color:{BAD}">● not saved</b>' if state.is_unsaved else ""
         title = escape(state.document.name)
         self._current.content = div(f"<b>{title}</b> in {escape(state.file or 'no file')}{mark}")
@@ -57,11 +64,9 @@ class FilesView:
         self._name.value = state.new_name
         self._notes.value = state.document.notes
         self._title.value = state.document.name
-        self._exchange.render(state)
-        self._history.render(state)
 
     async def _act(self, value: object) -> Event:
-        state = self._present()
+        state = self._store.state
         match clean.choice(value, _ACTIONS, "the action"):
             case "save":
                 return await self._filing.save()
@@ -71,15 +76,11 @@ class FilesView:
                 return await self._filing.open(state.file)
 
     async def _save_as(self) -> Event:
-        text = self._present().new_name.strip()
+        text = self._store.state.new_name.strip()
         return await self._filing.save_as(clean.file_name(text if text.endswith(".yaml") else f"{text}.yaml"))
 
     async def _open(self, value: object) -> Event:
-        return await self._filing.open(clean.choice(value, self._present().files, "the file"))
-
-    def _present(self) -> AppState:
-        assert self._state is not None, "rendered before any callback"
-        return self._state
+        return await self._filing.open(clean.choice(value, self._store.state.files, "the file"))
 
 
 def _free_name(stem: str, taken: tuple[str, ...]) -> str:

@@ -7,7 +7,7 @@ import viser
 from app import clean, grid
 from app.palette import MUTED
 from app.state import AppState, JumpedTo, Redo, Undo
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.widgets import div, escape, on_input
 
 _PAST, _FUTURE = 12, 6
@@ -18,14 +18,18 @@ _STEPPING = ("undo", "redo")
 class HistoryView:
     """The steps, the newest first; what was taken back stands above the present one, pale."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
-        self._dispatch = dispatch
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
+        self._store = store
         self._jumps: list[int] = []
         stepping = gui.add_button_group("history", _STEPPING)
-        on_input(stepping, dispatch, lambda which: Undo() if clean.choice(which, _STEPPING) == "undo" else Redo())
+        on_input(stepping, store.dispatch, lambda which: Undo() if clean.choice(which, _STEPPING) == "undo" else Redo())
         self._rows = gui.add_html("")
         count = _PAST + _FUTURE + 1
         self._buttons = grid.HiddenButtons(gui, [f"step {n + 1} of the history" for n in range(count)], self._jump)
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.past, state.future
 
     def render(self, state: AppState) -> None:
         """List the steps."""
@@ -44,7 +48,7 @@ class HistoryView:
 
     def _jump(self, number: int) -> None:
         if number < len(self._jumps) and self._jumps[number]:
-            self._dispatch(JumpedTo(self._jumps[number]))
+            self._store.dispatch(JumpedTo(self._jumps[number]))
 
 
 def _label(jump: int, label: str) -> str:

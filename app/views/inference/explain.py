@@ -16,7 +16,7 @@ from app.numbers import NumberRow
 from app.palette import BAD, ERROR, MUTED, RUN, css, term_color
 from app.runner import Frame
 from app.state import AppState, DesignChanged
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.widgets import MARK, coordinate_label, div, escape, on_input
 from fuzzy.errors import FuzzyError
 from fuzzy.inference import Controller, Trace, compile_system
@@ -42,27 +42,31 @@ Probe = tuple[FuzzySystem, tuple[float, ...]]
 class ExplainView:
     """The inference of the chosen coordinate's fuzzy block, or of the document for chosen inputs."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
         self._gui = gui
         self._which: Any = gui.add_button_group("explain", (_LIVE, _CHOSEN))
-        on_input(self._which, dispatch, self._choose)
+        on_input(self._which, store.dispatch, self._choose)
         self._numbers = [
-            NumberRow(gui, dispatch, lambda values, row=row: self._set_inputs(row, values)) for row in range(_ROWS)
+            NumberRow(gui, store.dispatch, lambda values, row=row: self._set_inputs(row, values))
+            for row in range(_ROWS)
         ]
         self._steps = gui.add_html("")
         self._place = gui.add_folder(None)
         self._chart: viser.GuiUplotHandle | None = None
         self._lines: tuple[Line, ...] = ()
-        self._state: AppState | None = None
+        self._store = store
         self._shown_at = 0.0
         self._inputs: tuple[float, ...] = ()
         self._asked: Probe | None = None
         self._task: asyncio.Task[None] | None = None
         self._compiled: tuple[FuzzySystem, Controller] | None = None
 
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.document, state.design
+
     def render(self, state: AppState) -> None:
         """Show the chosen inputs, and explain them if the document or they are new."""
-        self._state = state
         probe = state.design.probe
         options = (_LIVE, f"{MARK}{_CHOSEN}") if probe is not None else (f"{MARK}{_LIVE}", _CHOSEN)
         if tuple(self._which.options) != options:
@@ -79,7 +83,7 @@ class ExplainView:
     def show(self, frame: Frame) -> None:
         """Explain the inference of this moment, unless inputs are chosen."""
         now = time.monotonic()
-        if self._state is None or (now - self._shown_at < _PERIOD and self._state.playback.is_playing):
+        if now - self._shown_at < _PERIOD and self._store.state.playback.is_playing:
             return
         self._shown_at = now
         self._inputs = tuple(float(value) for value in frame.inputs)
@@ -88,7 +92,7 @@ class ExplainView:
         if frame.inference is None or not np.isfinite(frame.inputs).all():
             self._fail("Nothing is inferred: this controller has no fuzzy block.", MUTED)
             return
-        name = coordinate_label(frame.arm.coordinates[self._state.coordinate])
+        name = coordinate_label(frame.arm.coordinates[self._store.state.coordinate])
         trace = frame.inference.explain(*frame.inputs)
         self._show_trace(frame.inference, trace, f"for {name} at t = {frame.t:.2f} s")
 
@@ -112,7 +116,7 @@ class ExplainView:
         return self._asked is not None and self._asked[0] is document and self._asked[1] == probe
 
     def _choose(self, value: object) -> DesignChanged:
-        state = self._present()
+        state = self._store.state
         which = clean.choice(value.removeprefix(MARK) if isinstance(value, str) else value, (_LIVE, _CHOSEN))
         if which == _LIVE:
             return DesignChanged({"probe": None})
@@ -126,14 +130,14 @@ class ExplainView:
         return DesignChanged({"probe": tuple(probe)})
 
     def _set_inputs(self, row: int, values: tuple[float, ...]) -> DesignChanged | None:
-        probe = self._present().design.probe
+        probe = self._store.state.design.probe
         if probe is None or len(probe[3 * row : 3 * row + 3]) != len(values):
             return None  # sent for another system
         return DesignChanged({"probe": (*probe[: 3 * row], *values, *probe[3 * row + 3 :])})
 
     def _show_trace(self, controller: Controller, trace: Trace, when: str) -> None:
         self._steps.content = _steps_html(controller, trace, when)
-        output = _shown_output(controller.system, self._present())
+        output = _shown_output(controller.system, self._store.state)
         lines = output_lines(output)
         data = output_curves(controller.system, output, trace)
         if self._chart is None or lines != self._lines:
@@ -153,10 +157,6 @@ class ExplainView:
         self._steps.content = div(escape(text), f"color:{color}")
         if self._chart is not None:
             self._chart.visible = False
-
-    def _present(self) -> AppState:
-        assert self._state is not None, "rendered before any callback"
-        return self._state
 
 
 def _shown_output(system: FuzzySystem, state: AppState) -> Output:

@@ -10,7 +10,7 @@ import viser
 from app import clean
 from app.palette import MUTED
 from app.state import AppState, Edit
-from app.store import Dispatch
+from app.store import Shown, Store, View
 from app.views.inference.formulas import lines
 from app.views.inference.policies import PoliciesView
 from app.widgets import div, on_input
@@ -50,28 +50,35 @@ _FIRST_SAMPLING = Sampling(200, "midpoints")
 
 
 class InferenceView:
-    """Editors of the document's inference options."""
+    """Editors of the document's inference options.
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+    Attributes:
+        views: This and those inside.
+    """
+
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
         self._composition = gui.add_dropdown("composition", (*_COMPOSITIONS, _OTHER))
-        on_input(self._composition, dispatch, _composed)
+        on_input(self._composition, store.dispatch, _composed)
         self._operators: dict[str, Any] = {}
         for field, (label, options) in _OPERATORS.items():
             self._operators[field] = gui.add_dropdown(label, options)
-            on_input(self._operators[field], dispatch, partial(_operator_edit, field, options))
+            on_input(self._operators[field], store.dispatch, partial(_operator_edit, field, options))
         self._resolution = gui.add_dropdown("resolution", (*_RESOLUTIONS, _SAMPLED))
-        on_input(self._resolution, dispatch, self._resolved)
+        on_input(self._resolution, store.dispatch, self._resolved)
         self._rule = gui.add_dropdown("samples", get_args(SamplingRule))
         self._points = gui.add_number("points", _FIRST_SAMPLING.points, step=1)
-        on_input(self._rule, dispatch, self._set_rule)
-        on_input(self._points, dispatch, self._set_points)
-        self._policies = PoliciesView(gui, dispatch)
+        on_input(self._rule, store.dispatch, self._set_rule)
+        on_input(self._points, store.dispatch, self._set_points)
+        self.views: tuple[View, ...] = (self, PoliciesView(gui, store))
         self._formulas = gui.add_html("")
-        self._state: AppState | None = None
+        self._store = store
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return (state.document.inference,)
 
     def render(self, state: AppState) -> None:
         """Show the document's options."""
-        self._state = state
         inference = state.document.inference
         pair = {"implication": inference.implication, "aggregation": inference.aggregation}
         names = [name for name, operators in _COMPOSITIONS.items() if operators == pair]
@@ -85,7 +92,6 @@ class InferenceView:
             handle.visible = sampling is not None
         shown = sampling or _FIRST_SAMPLING
         self._rule.value, self._points.value = shown.rule, shown.points
-        self._policies.render(state)
         text = "".join(f'<div style="margin:0.3em 0">{line}</div>' for line in lines(inference))
         self._formulas.content = div(text, f"color:{MUTED}")
 
@@ -106,8 +112,7 @@ class InferenceView:
         return None if sampling is None else _resolution_edit(Sampling(points, sampling.rule))
 
     def _sampling(self) -> Sampling | None:
-        assert self._state is not None, "rendered before any callback"
-        resolution = self._state.document.inference.resolution
+        resolution = self._store.state.document.inference.resolution
         return resolution if isinstance(resolution, Sampling) else None
 
 

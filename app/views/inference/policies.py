@@ -10,7 +10,7 @@ import viser
 from app import clean
 from app.numbers import MOST_VALUE
 from app.state import AppState, Edit
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.widgets import on_input
 from fuzzy import edits
 from fuzzy.system import Input, NoFire, NoFirePolicy, OutOfRange, Output
@@ -19,18 +19,20 @@ from fuzzy.system import Input, NoFire, NoFirePolicy, OutOfRange, Output
 class PoliciesView:
     """A choice for each variable; made anew only for other variables."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
         self._gui = gui
-        self._dispatch = dispatch
-        self._state: AppState | None = None
+        self._store = store
         self._key: tuple[tuple[str, ...], ...] = ()
         self._place = gui.add_folder(None)
         self._inputs: list[Any] = []
         self._outputs: list[tuple[Any, Any]] = []
 
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.document.inputs, state.document.outputs
+
     def render(self, state: AppState) -> None:
         """Show the policies of the document."""
-        self._state = state
         document = state.document
         key = tuple(tuple(v.name for v in variables) for variables in (document.inputs, document.outputs))
         if key != self._key:
@@ -60,10 +62,10 @@ class PoliciesView:
                 for name in outputs
             ]
         for number, handle in enumerate(self._inputs):
-            on_input(handle, self._dispatch, partial(self._range_edit, number))
+            on_input(handle, self._store.dispatch, partial(self._range_edit, number))
         for number, (policy, value) in enumerate(self._outputs):
-            on_input(policy, self._dispatch, partial(self._policy_edit, number))
-            on_input(value, self._dispatch, partial(self._value_edit, number))
+            on_input(policy, self._store.dispatch, partial(self._policy_edit, number))
+            on_input(value, self._store.dispatch, partial(self._value_edit, number))
 
     def _range_edit(self, number: int, value: object) -> Edit:
         policy: Any = clean.choice(value, get_args(OutOfRange), "the policy")
@@ -83,12 +85,10 @@ class PoliciesView:
         return None if output.no_fire.policy != "default" else _no_fire_edit(output, wanted)
 
     def _input(self, number: int) -> Input:
-        assert self._state is not None, "rendered before any callback"
-        return self._state.document.inputs[number]
+        return self._store.state.document.inputs[number]
 
     def _output(self, number: int) -> Output:
-        assert self._state is not None, "rendered before any callback"
-        return self._state.document.outputs[number]
+        return self._store.state.document.outputs[number]
 
 
 def _no_fire_edit(output: Output, no_fire: NoFire) -> Edit:

@@ -12,7 +12,7 @@ from app.charts import Line, add_chart, series
 from app.palette import MUTED, TEXT, css, term_color
 from app.runner import Frame
 from app.state import AppState, DesignChanged, DragMode, Event, Selected
-from app.store import Dispatch
+from app.store import Shown, Store, View
 from app.views.membership.choice import chosen, extent
 from app.views.membership.gain import GainView
 from app.views.membership.points import PointsView
@@ -33,39 +33,41 @@ _AXIS = (60, 22, 42, 132)
 
 
 class MembershipView:
-    """Chart of one variable's terms, and what edits them."""
+    """Chart of one variable's terms, and what edits them.
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+    Attributes:
+        views: This and those inside.
+    """
+
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
         self._gui = gui
-        self._state: AppState | None = None
+        self._store = store
         self._drawn: tuple[Any, ...] = ()
         self._lines: list[Line] = []
         self._chart_key: tuple[Any, ...] = ()
-        self._variable = ChoiceGroup(gui, "variable", dispatch, lambda name: Selected({"variable": name}))
+        self._variable = ChoiceGroup(gui, "variable", store.dispatch, lambda name: Selected({"variable": name}))
         self._legend = gui.add_html("")
         self._chart_place = gui.add_folder(None)
         self._chart: viser.GuiUplotHandle | None = None
         self._cursor = gui.add_html("")
-        self._points = PointsView(gui, dispatch)
+        points = PointsView(gui, store)
         self._drag: Any = gui.add_button_group("drag", _DRAGGING, hint="partition: neighbours follow, the sum stays 1")
-        on_input(self._drag, dispatch, self._choose_dragging)
-        self._term = TermView(gui, dispatch)
-        self._gain = GainView(gui, dispatch)
-        self._whole = VariableView(gui, dispatch)
+        on_input(self._drag, store.dispatch, self._choose_dragging)
+        inside = (points, TermView(gui, store), GainView(gui, store), VariableView(gui, store))
+        self.views: tuple[View, ...] = (self, *inside)
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.document, state.variable, state.term, state.drag, state.design
 
     def render(self, state: AppState) -> None:
         """Show the chosen variable and term."""
-        self._state = state
         variable = chosen(state)
         self._variable.show([v.name for v in (*state.document.inputs, *state.document.outputs)], variable.name)
         chosen_ways = {state.drag, _SYMMETRIC if state.design.is_symmetric else ""}
         options = tuple(f"{MARK}{way}" if way in chosen_ways else way for way in _DRAGGING)
         if tuple(self._drag.options) != options:
             self._drag.options = options
-        self._points.render(state)
-        self._term.render(state)
-        self._gain.render(state)
-        self._whole.render(state)
         drawn = (variable, state.term)
         if drawn != self._drawn:
             self._drawn = drawn
@@ -74,9 +76,7 @@ class MembershipView:
 
     def show(self, frame: Frame) -> None:
         """Show the live value of an input and its memberships."""
-        state = self._state
-        if state is None:
-            return
+        state = self._store.state
         variable = chosen(state)
         names = [v.name for v in state.document.inputs]
         value = None
@@ -89,15 +89,13 @@ class MembershipView:
         self._show_value(variable, value)
 
     def _choose_dragging(self, value: object) -> Event:
-        assert self._state is not None, "rendered before any callback"
         way = clean.choice(value.removeprefix(MARK) if isinstance(value, str) else value, _DRAGGING, "the way to drag")
         if way == _SYMMETRIC:
-            return DesignChanged({"is_symmetric": not self._state.design.is_symmetric})
+            return DesignChanged({"is_symmetric": not self._store.state.design.is_symmetric})
         return Selected({"drag": way})
 
     def _show_value(self, variable: Variable, value: float | None) -> None:
-        assert self._state is not None
-        self._legend.content = _legend_html(variable, self._state.term, value)
+        self._legend.content = _legend_html(variable, self._store.state.term, value)
         self._cursor.content = _cursor_html(variable, value)
 
     def _draw(self, variable: Variable, term: str) -> None:

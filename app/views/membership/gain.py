@@ -9,7 +9,7 @@ import viser
 from app import clean
 from app.palette import MUTED
 from app.state import AppState, SetupChanged
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.views.membership.choice import chosen
 from app.widgets import coordinate_label, div, number, on_input
 from robot import controllers
@@ -37,15 +37,18 @@ _OUTPUT = _Place("gu", "GU", "is what the end of the range adds")
 class GainView:
     """A slider for the factor of the chosen variable's gain; hidden where the control law has none."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
-        self._state: AppState | None = None
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
+        self._store = store
         self._factor: Any = gui.add_slider("GE ×", 0.0, _MOST, _STEP, 1.0, hint="Times its default, as in Run")
-        on_input(self._factor, dispatch, self._set)
+        on_input(self._factor, store.dispatch, self._set)
         self._text = gui.add_html("")
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.document, state.variable, state.coordinate, state.setup, state.runs.current
 
     def render(self, state: AppState) -> None:
         """Show the factor, and what the gain is for the chosen coordinate."""
-        self._state = state
         place = _place(state)
         result = state.runs.current
         gains = {} if result is None else controllers.gains(result.run.controller)
@@ -60,10 +63,9 @@ class GainView:
         self._text.content = div(f"{place.name} = {number(value, 4)} for {name}: {place.does}", f"color:{MUTED}")
 
     def _set(self, value: object) -> SetupChanged | None:
-        assert self._state is not None, "rendered before any callback"
-        place = _place(self._state)
+        place = _place(self._store.state)
         factor = clean.number(value, 0.0, _MOST, "the gain's factor")
-        if place is None or factor == getattr(self._state.setup, place.gain):
+        if place is None or factor == getattr(self._store.state.setup, place.gain):
             return None
         return SetupChanged({place.gain: factor})
 

@@ -10,7 +10,7 @@ import viser
 
 from app import clean
 from app.state import AppState, DragMode, Event, Selected
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.views.membership.choice import chosen, edit_of_term, extent, possible_mode
 from app.widgets import full_width_html, on_input
 from fuzzy import edits, shapes
@@ -42,19 +42,21 @@ class Thumb(NamedTuple):
 class PointsView:
     """A slider with a thumb for each point."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
         self._gui = gui
-        self._dispatch = dispatch
-        self._state: AppState | None = None
+        self._store = store
         self._thumbs: tuple[Thumb, ...] = ()
         self._slider: Any = None
         self._parts: list[Any] = []
         self._key: tuple[Any, ...] = ()
         self._place = gui.add_folder(None)
 
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.document, state.variable, state.term, state.drag
+
     def render(self, state: AppState) -> None:
         """Put the thumbs where the points are; a slider with another number of thumbs or range is made anew."""
-        self._state = state
         variable = chosen(state)
         self._thumbs = thumbs(variable, state.term, state.drag)
         low, high = extent(variable)
@@ -74,10 +76,10 @@ class PointsView:
                 self._slider = self._gui.add_multi_slider("", low, high, (high - low) / _STEPS, values, marks=marks)
                 style = self._gui.add_html(full_width_html(self._slider, *_MARGINS))
             self._parts = [self._slider, style]
-            on_input(self._slider, self._dispatch, self._dragged)
+            on_input(self._slider, self._store.dispatch, self._dragged)
 
     def _dragged(self, values: Any) -> tuple[Event, ...] | None:
-        state = self._state
+        state = self._store.state
         assert state is not None, "rendered before any callback"
         variable = chosen(state)
         low, high = extent(variable)

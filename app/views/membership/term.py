@@ -12,7 +12,7 @@ import viser
 from app import clean
 from app.numbers import NumberRow
 from app.state import AppState, DesignChanged, Edit, Event, Selected
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.views.membership.choice import (
     chosen,
     chosen_term,
@@ -37,26 +37,31 @@ _ROWS = 4
 class TermView:
     """Editors of one term."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
-        self._state: AppState | None = None
-        self._term = ChoiceGroup(gui, "term", dispatch, lambda name: Selected({"term": name}))
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
+        self._store = store
+        self._term = ChoiceGroup(gui, "term", store.dispatch, lambda name: Selected({"term": name}))
         self._name = gui.add_text("name", "", hint="Of the chosen term for rename; of a new one beside it for add")
-        on_input(self._name, dispatch, lambda text: DesignChanged({"term_name": clean.text(text, 4 * clean.MAX_NAME)}))
+        on_input(
+            self._name, store.dispatch, lambda text: DesignChanged({"term_name": clean.text(text, 4 * clean.MAX_NAME)})
+        )
         actions = gui.add_button_group("", _ACTIONS)
-        on_input(actions, dispatch, self._act)
+        on_input(actions, store.dispatch, self._act)
         self._shape: Any = gui.add_dropdown("shape", tuple(shapes.kind(shape) for shape in shapes.SHAPES))
-        on_input(self._shape, dispatch, self._change_shape)
-        self._rows = [NumberRow(gui, dispatch, partial(self._set_parameters, row)) for row in range(_ROWS)]
+        on_input(self._shape, store.dispatch, self._change_shape)
+        self._rows = [NumberRow(gui, store.dispatch, partial(self._set_parameters, row)) for row in range(_ROWS)]
         self._traits: Any = gui.add_button_group(
             "open · not", (*_SIDES, _NOT), hint="Sides that stay 1 up to infinity; not: the complement of the shape"
         )
-        on_input(self._traits, dispatch, self._toggle)
+        on_input(self._traits, store.dispatch, self._toggle)
         self._height = gui.add_slider("height", 0.0, 1.0, 0.01, 1.0, hint="Greatest degree")
-        on_input(self._height, dispatch, self._set_height)
+        on_input(self._height, store.dispatch, self._set_height)
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.document, state.variable, state.term, state.design
 
     def render(self, state: AppState) -> None:
         """Show the chosen term."""
-        self._state = state
         variable = chosen(state)
         entry = chosen_term(state)
         shape = entry.shape
@@ -79,7 +84,7 @@ class TermView:
         self._height.value = float(entry.height)
 
     def _act(self, value: object) -> Event | tuple[Event, ...] | None:
-        state = self._present()
+        state = self._store.state
         action = clean.choice(value, _ACTIONS, "the action")
         variable, term = chosen(state), state.term
         names = [entry.name for entry in variable.terms]
@@ -104,13 +109,13 @@ class TermView:
         return Edit(f"{variable.name}: add {name}", change), Selected({"term": name})
 
     def _change_shape(self, value: object) -> Edit:
-        state = self._present()
+        state = self._store.state
         kind = clean.choice(value, _kinds(chosen(state)), "the shape")
         change = partial(edits.set_shape_kind, variable=state.variable, term=state.term, kind=kind)
         return edit_of_term(state, f"{state.variable} {state.term}: {kind}", change, state.term)
 
     def _set_parameters(self, row: int, values: tuple[float, ...]) -> Edit | None:
-        state = self._present()
+        state = self._store.state
         variable = chosen(state)
         shown = _finite(chosen_term(state).shape)[3 * row : 3 * row + 3]
         if len(shown) != len(values):
@@ -130,7 +135,7 @@ class TermView:
         return edit_of_term(state, f"{state.term} {what}", change, state.term, gesture)
 
     def _toggle(self, value: object) -> Edit:
-        state = self._present()
+        state = self._store.state
         text = clean.choice(value.removeprefix(MARK) if isinstance(value, str) else value, (*_SIDES, _NOT), "the trait")
         variable, term = state.variable, state.term
         if text == _NOT:
@@ -141,17 +146,13 @@ class TermView:
         return edit_of_term(state, f"{variable} {term}: open to {text}", change, term)
 
     def _set_height(self, value: object) -> Edit | None:
-        state = self._present()
+        state = self._store.state
         height = clean.number(value, 0.0, 1.0, "the height")
         if height == chosen_term(state).height:
             return None
         change = partial(edits.set_height, variable=state.variable, term=state.term, height=height)
         gesture = f"height {state.variable} {state.term}"
         return Edit(f"{state.term}: height {height:g}", change, gesture, time.monotonic())
-
-    def _present(self) -> AppState:
-        assert self._state is not None, "rendered before any callback"
-        return self._state
 
 
 def _kinds(variable: Variable) -> tuple[str, ...]:

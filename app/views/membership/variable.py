@@ -10,7 +10,7 @@ import viser
 from app import clean
 from app.numbers import MOST_VALUE
 from app.state import AppState, DesignChanged, Edit, Event, Selected
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.views.membership.choice import chosen, digits, is_shown_as
 from app.widgets import on_input
 from fuzzy import edits
@@ -24,28 +24,33 @@ _SPACED = ("triangle", "trapezoid", "gaussian", "singleton")
 class VariableView:
     """Editors of one variable."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
-        self._state: AppState | None = None
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
+        self._store = store
         self._range = gui.add_vector2("range", (0.0, 1.0), step=0.001)
-        on_input(self._range, dispatch, self._set_range)
+        on_input(self._range, store.dispatch, self._set_range)
         self._stretch = gui.add_checkbox(
             "stretch terms", initial_value=False, hint="Whether the terms are stretched along when the range changes"
         )
-        on_input(self._stretch, dispatch, lambda value: DesignChanged({"stretches": clean.flag(value)}))
+        on_input(self._stretch, store.dispatch, lambda value: DesignChanged({"stretches": clean.flag(value)}))
         self._unit = gui.add_text("unit", "")
-        on_input(self._unit, dispatch, self._set_unit)
+        on_input(self._unit, store.dispatch, self._set_unit)
         self._count = gui.add_number("even terms", 7, min=1, max=MAX_TERMS, step=1)
-        on_input(self._count, dispatch, _counted)
+        on_input(self._count, store.dispatch, _counted)
         spaced = gui.add_button_group("space them as", _SPACED, hint="Rules follow to the nearest term")
-        on_input(spaced, dispatch, self._space)
+        on_input(spaced, store.dispatch, self._space)
         self._name = gui.add_text("variable name", "")
-        on_input(self._name, dispatch, lambda t: DesignChanged({"variable_name": clean.text(t, 4 * clean.MAX_NAME)}))
+        on_input(
+            self._name, store.dispatch, lambda t: DesignChanged({"variable_name": clean.text(t, 4 * clean.MAX_NAME)})
+        )
         renaming = gui.add_button_group("", ("rename the variable",))
-        on_input(renaming, dispatch, lambda _: self._rename())
+        on_input(renaming, store.dispatch, lambda _: self._rename())
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.document, state.variable, state.design
 
     def render(self, state: AppState) -> None:
         """Show the chosen variable."""
-        self._state = state
         variable, design = chosen(state), state.design
         decimals = digits(variable)
         self._range.precision, self._range.step = decimals, 10.0**-decimals
@@ -96,8 +101,7 @@ class VariableView:
         return Edit(f"rename {variable.name} to {name}", change), Selected({"variable": name, "term": state.term})
 
     def _present(self) -> tuple[AppState, Variable]:
-        assert self._state is not None, "rendered before any callback"
-        return self._state, chosen(self._state)
+        return self._store.state, chosen(self._store.state)
 
 
 def _counted(value: object) -> DesignChanged:

@@ -9,7 +9,7 @@ import viser
 
 from app import clean
 from app.state import AppState, DesignChanged, Event
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.widgets import on_input
 from fuzzy.edits import Grid
 from fuzzy.system import FuzzySystem, Input, Is
@@ -21,19 +21,21 @@ _ANY = "(not named)"
 class AxesView:
     """Choices that a system with two inputs and one output does not need, and then does not show."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
         self._gui = gui
-        self._dispatch = dispatch
-        self._state: AppState | None = None
+        self._store = store
         self._place = gui.add_folder(None)
         self._key: tuple[Any, ...] = ()
         self._parts: list[Any] = []
         self._axes: dict[str, Any] = {}
         self._slices: dict[str, Any] = {}
 
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.document, state.design
+
     def render(self, state: AppState) -> None:
         """Show the choices of the document's grid."""
-        self._state = state
         shown = state.design.grid
         if shown is None or not _is_needed(state.document):
             self._place.visible = False
@@ -69,9 +71,9 @@ class AxesView:
             }
         self._parts = [*self._axes.values(), *self._slices.values()]
         for axis, options in (("rows", inputs), ("columns", inputs), ("output", outputs)):
-            on_input(self._axes[axis], self._dispatch, partial(self._choose_axis, axis, options))
+            on_input(self._axes[axis], self._store.dispatch, partial(self._choose_axis, axis, options))
         for variable in others:
-            on_input(self._slices[variable.name], self._dispatch, partial(self._choose_slice, variable))
+            on_input(self._slices[variable.name], self._store.dispatch, partial(self._choose_slice, variable))
 
     def _choose_axis(self, axis: str, options: tuple[str, ...], value: object) -> Event:
         shown = self._present()
@@ -90,10 +92,9 @@ class AxesView:
         return DesignChanged({"grid": shown._replace(slice=(*kept, *said)), "marked": ()})
 
     def _present(self) -> Grid:
-        assert self._state is not None, "rendered before any callback"
-        if self._state.design.grid is None:
+        if self._store.state.design.grid is None:
             raise clean.Refused("the table is no longer there; valid is a system with two inputs")
-        return self._state.design.grid
+        return self._store.state.design.grid
 
 
 def _is_needed(system: FuzzySystem) -> bool:

@@ -9,7 +9,7 @@ import viser
 from app import grid
 from app.palette import BAD, ERROR, MUTED
 from app.state import AppState, DesignChanged, Event, Notice, Noticed, Selected
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.widgets import div, escape
 from fuzzy.edits import Grid
 from fuzzy.finding import Finding
@@ -27,16 +27,18 @@ _COLORS = {"error": ERROR, "warning": BAD, "hint": MUTED}
 class FindingsView:
     """The findings as rows that can be clicked."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
-        self._dispatch = dispatch
-        self._state: AppState | None = None
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
+        self._store = store
         self._rows = gui.add_html("")
         self._chosen = gui.add_html("")
         self._buttons = grid.HiddenButtons(gui, [f"finding {n + 1}" for n in range(_MOST)], self._choose)
 
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.findings, state.design.marked
+
     def render(self, state: AppState) -> None:
         """List the findings of the last run's document."""
-        self._state = state
         rows = [
             grid.row_html(
                 target,
@@ -54,10 +56,9 @@ class FindingsView:
         self._chosen.content = grid.chosen_html(f"finding{marked[0]}") if marked else ""
 
     def _choose(self, number: int) -> None:
-        assert self._state is not None
-        if number < len(self._state.findings):
-            for event in culprit_events(self._state.document, self._state.findings[number]):
-                self._dispatch(event)
+        if number < len(self._store.state.findings):
+            for event in culprit_events(self._store.state.document, self._store.state.findings[number]):
+                self._store.dispatch(event)
 
 
 def culprit_events(document: FuzzySystem, finding: Finding) -> Iterator[Event]:

@@ -13,7 +13,7 @@ from app import clean, grid
 from app.palette import ERROR, MUTED
 from app.runner import Frame
 from app.state import AppState, DesignChanged, Edit, Event
-from app.store import Dispatch
+from app.store import Shown, Store
 from app.widgets import div, escape, full_width_html, on_input
 from fuzzy import edits, language, rules
 from fuzzy.errors import FormatError
@@ -30,9 +30,8 @@ _EXAMPLE = "if e is NB and not (de is FR or de is MR) then T is LL with 0.8"
 class RuleListView:
     """A page of the list, and the editor of one rule."""
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
-        self._dispatch = dispatch
-        self._state: AppState | None = None
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
+        self._store = store
         self._offset = 0
         self._head = gui.add_html("")
         self._rows = gui.add_html("")
@@ -46,15 +45,18 @@ class RuleListView:
         self._actions = gui.add_button_group("", _ACTIONS)
         self._form: Any = gui.add_button_group("", (_AS_LIST,))
         self._buttons = grid.HiddenButtons(gui, [f"rule {n + 1} of the page" for n in range(grid.PAGE)], self._choose)
-        on_input(self._pages, dispatch, self._turn_page)
-        on_input(self._text, dispatch, lambda text: DesignChanged({"rule_text": clean.text(text, _MOST_TEXT)}))
-        on_input(self._weight, dispatch, self._weigh)
-        on_input(self._actions, dispatch, self._act)
-        on_input(self._form, dispatch, self._change_form)
+        on_input(self._pages, store.dispatch, self._turn_page)
+        on_input(self._text, store.dispatch, lambda text: DesignChanged({"rule_text": clean.text(text, _MOST_TEXT)}))
+        on_input(self._weight, store.dispatch, self._weigh)
+        on_input(self._actions, store.dispatch, self._act)
+        on_input(self._form, store.dispatch, self._change_form)
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.document, state.design
 
     def render(self, state: AppState) -> None:
         """Show the page, the chosen rule and what is wrong with the text."""
-        self._state = state
         system, design = state.document, state.design
         listed = system.rules.list
         self._offset = len(rules.all_rules(system)) - len(listed)
@@ -88,9 +90,7 @@ class RuleListView:
 
     def show(self, frame: Frame) -> None:
         """Let the rules glow with their firing strengths."""
-        state = self._state
-        if state is None:
-            return
+        state = self._store.state
         first = _page(state) * grid.PAGE
         count = len(state.document.rules.list[first : first + grid.PAGE])
         strengths: list[float] = []
@@ -104,18 +104,18 @@ class RuleListView:
         self._glow.content = grid.row_glow_html(strengths, first)
 
     def _choose(self, number: int) -> None:
-        state = self._present()
+        state = self._store.state
         chosen = _page(state) * grid.PAGE + number
         if chosen < len(state.document.rules.list):
-            self._dispatch(DesignChanged({"rule": chosen, "rule_text": None}))
+            self._store.dispatch(DesignChanged({"rule": chosen, "rule_text": None}))
 
     def _turn_page(self, value: object) -> DesignChanged:
-        state = self._present()
+        state = self._store.state
         page = _page(state) + _STEPS[clean.choice(value, _STEPS, "the page")]
         return DesignChanged({"page": min(max(page, 0), _last_page(state.document))})
 
     def _weigh(self, value: object) -> Edit | None:
-        state = self._present()
+        state = self._store.state
         number = state.design.rule
         weight = clean.number(value, 0.0, 1.0, "the weight")
         if number is None or weight == state.document.rules.list[number].weight:
@@ -124,7 +124,7 @@ class RuleListView:
         return Edit(f"rule {number + 1}: weight {weight:g}", change, f"weight {number}", time.monotonic())
 
     def _act(self, value: object) -> Event | tuple[Event, ...] | None:
-        state = self._present()
+        state = self._store.state
         action = clean.choice(value, _ACTIONS, "the action")
         number = state.design.rule
         listed = len(state.document.rules.list)
@@ -140,15 +140,11 @@ class RuleListView:
         return Edit(f"replace rule {number + 1}", _written(_text(state), partial(_replaced, number=number)))
 
     def _change_form(self, value: object) -> tuple[Event, ...] | None:
-        shown = self._present().design.grid
+        shown = self._store.state.design.grid
         chosen = DesignChanged({"rule": None, "page": 0})  # numbers of the list now stand for other rules
         if clean.choice(value, (_AS_LIST, _AS_TABLE), "the form") == _AS_LIST:
             return Edit(_AS_LIST, edits.dissolve_table), chosen
         return None if shown is None else (Edit(_AS_TABLE, partial(edits.give_table, grid=shown)), chosen)
-
-    def _present(self) -> AppState:
-        assert self._state is not None, "rendered before any callback"
-        return self._state
 
 
 def _written(text: str, edit: Callable[..., FuzzySystem]) -> Callable[[FuzzySystem], FuzzySystem]:

@@ -12,12 +12,13 @@ from app.painting import grid_variables, painted, shown_grid
 from app.palette import MUTED
 from app.runner import Frame
 from app.state import AppState, DesignChanged, Edit, Selected
-from app.store import Dispatch
+from app.store import Shown, Store, View
 from app.views.rules.axes import AxesView
 from app.views.rules.findings import FindingsView
 from app.views.rules.listing import RuleListView
+from app.views.rules.usage import UsageView, activity_of
 from app.widgets import div, on_input
-from fuzzy import edits, rules
+from fuzzy import edits
 from fuzzy.system import Variable
 
 _FILLS = {
@@ -33,51 +34,47 @@ _GAIN_STEP = 0.001
 
 
 class RulesView:
-    """The rules of the document as a table, its brushes, what the check finds, and the rules of the list."""
+    """The rules of the document as a table, its brushes, what the check finds, and the rules of the list.
 
-    def __init__(self, gui: viser.GuiApi, dispatch: Dispatch) -> None:
+    Attributes:
+        views: This and those inside.
+    """
+
+    def __init__(self, gui: viser.GuiApi, store: Store) -> None:
         self._gui = gui
-        self._dispatch = dispatch
-        self._state: AppState | None = None
+        self._store = store
         self._terms: tuple[tuple[str, ...], ...] = ()
         self._numbers = np.empty((0, 0), dtype=np.int64)
         self._brush_buttons: grid.HiddenButtons | None = None
         self._cell_buttons: grid.HiddenButtons | None = None
         gui.add_html(grid.BASE_STYLE)
-        self._axes = AxesView(gui, dispatch)
+        axes = AxesView(gui, store)
         self._style = gui.add_html("")
         self._brush = gui.add_html("")
         self._table = gui.add_html("")
         self._glow = gui.add_html("")
         self._fill = gui.add_button_group("fill", (*_FILLS, _FROM_GAINS))
-        on_input(self._fill, dispatch, self._filled)
+        on_input(self._fill, store.dispatch, self._filled)
         self._gains = gui.add_vector2(
             _GAINS,
             (0.0, 0.0),
             step=_GAIN_STEP,
             hint="The PD law from which the table can be filled: output per unit of the rows' and the columns' input",
         )
-        on_input(self._gains, dispatch, _gained)
-        self._count = gui.add_html("")
-        self._findings = FindingsView(gui, dispatch)
-        self._list = RuleListView(gui, dispatch)
+        on_input(self._gains, store.dispatch, _gained)
+        usage = UsageView(gui)
+        findings = FindingsView(gui, store)
+        self._list = RuleListView(gui, store)
         self._hidden = gui.add_folder(None)
+        self.views: tuple[View, ...] = (self, axes, usage, findings, self._list)
+
+    def shows(self, state: AppState) -> Shown:
+        """Return the parts that are shown."""
+        return state.document, state.design, state.brush
 
     def render(self, state: AppState) -> None:
         """Show the document's rules; rebuild the buttons only for other terms."""
-        before, self._state = self._state, state
-        self._axes.render(state)
-        self._findings.render(state)
-        self._list.render(state)
         shown = shown_grid(state)
-        is_same = (
-            before is not None
-            and before.document is state.document
-            and before.runs.current is state.runs.current
-            and before.design.grid == state.design.grid
-        )
-        if not is_same:
-            self._count.content = _count_html(state)
         for part in (self._fill, self._gains):
             part.visible = shown is not None
         if shown is None:
@@ -94,8 +91,6 @@ class RulesView:
         chosen = names.index(state.brush) if state.brush is not None else len(names)
         self._brush.content = grid.brush_html(names, self._brush_buttons.ids, chosen)
         self._gains.value = state.design.gains or edits.full_gains(state.document, shown)
-        if is_same and self._numbers.size:
-            return
         self._numbers = np.array(edits.grid_rule_numbers(state.document, shown))
         self._table.content = grid.table_html(
             (rows.name, [term.name for term in rows.terms]),
@@ -107,14 +102,12 @@ class RulesView:
 
     def show(self, frame: Frame) -> None:
         """Let cells and rules glow with the firing strengths of the chosen coordinate."""
-        state = self._state
-        if state is None:
-            return
+        state = self._store.state
         self._list.show(frame)
         if not self._numbers.size:
             return
         numbers = self._numbers
-        activity = _activity(state)
+        activity = activity_of(state)
         silent = np.zeros(numbers.shape, dtype=bool)
         if activity is not None and len(activity) > numbers.max(initial=-1):
             silent = (numbers >= 0) & (activity[numbers] <= 0.0)
@@ -141,18 +134,18 @@ class RulesView:
         self._style.content = grid.focus_html(self._cell_buttons.ids, len(columns.terms))
 
     def _choose(self, number: int) -> None:
-        state = self._present()
+        state = self._store.state
         shown = shown_grid(state)
         names = [] if shown is None else [term.name for term in grid_variables(state.document, shown)[2].terms]
-        self._dispatch(Selected({"brush": names[number] if number < len(names) else None}))
+        self._store.dispatch(Selected({"brush": names[number] if number < len(names) else None}))
 
     def _paint(self, number: int) -> None:
-        edit = painted(self._present(), number)
+        edit = painted(self._store.state, number)
         if edit is not None:
-            self._dispatch(edit)
+            self._store.dispatch(edit)
 
     def _filled(self, value: object) -> Edit | None:
-        state = self._present()
+        state = self._store.state
         name = clean.choice(value, (*_FILLS, _FROM_GAINS), "the pattern")
         shown = shown_grid(state)
         if shown is None:
@@ -163,33 +156,9 @@ class RulesView:
         change = partial(edits.fill_linear, proportional=kp, derivative=kd, grid=shown)
         return Edit(f"fill the table: Kp = {kp:g}, Kd = {kd:g}", change)
 
-    def _present(self) -> AppState:
-        assert self._state is not None, "rendered before any callback"
-        return self._state
-
 
 def _gained(value: object) -> DesignChanged:
     if not isinstance(value, tuple | list) or len(value) != 2:
         raise clean.Refused("the gains are no pair; valid are two numbers")
     kp, kd = (clean.number(one, -_MOST_GAIN, _MOST_GAIN, name) for one, name in zip(value, ("Kp", "Kd"), strict=True))
     return DesignChanged({"gains": (kp, kd)})
-
-
-def _activity(state: AppState) -> np.ndarray | None:
-    """Return the largest firing strength of every rule in the run, over all coordinates; None without rules."""
-    result = state.runs.current
-    return None if result is None or result.run.activity.size == 0 else result.run.activity.max(axis=0)
-
-
-def _count_html(state: AppState) -> str:
-    system = state.document
-    count = len(rules.all_rules(system))
-    lines = [f"{count} rule{'s' if count != 1 else ''}"]
-    listed = len(system.rules.list)
-    if listed and listed < count:
-        lines.append(f"{listed} of them in the list")
-    activity = _activity(state)
-    if activity is not None and len(activity) == count:
-        never = int((activity <= 0.0).sum())
-        lines.append(f"{never} never fired in this run" if never else "all fired in this run")
-    return div(f'<span style="color:{MUTED}">{" · ".join(lines)}</span>')
