@@ -35,6 +35,7 @@ def check(system: FuzzySystem) -> list[Finding]:
         return [Finding("error", error.message, error.path)]
     found = [finding for variable in system.inputs for finding in _cover(variable)]
     found += _unused_terms(system)
+    found += _defaults(system)
     found += _curved_sets(system)
     found += consistency(system)
     if system.rules.table is not None:
@@ -108,6 +109,14 @@ def _unused_terms(system: FuzzySystem) -> Iterator[Finding]:
         for name in unused:
             message = f"no rule {'concludes' if is_output else 'tests'} '{variable.name} is {name}'"
             yield Finding("hint" if is_output else "warning", message, f"{path}.terms.{name}")
+
+
+def _defaults(system: FuzzySystem) -> Iterator[Finding]:
+    for output in system.outputs:
+        policy, value = output.no_fire.policy, output.no_fire.value
+        if policy == "default" and not output.low <= value <= output.high:
+            message = f"default {value:g} is outside the range [{output.low:g}, {output.high:g}]"
+            yield Finding("warning", message, f"outputs.{output.name}.no_fire")
 
 
 def _curved_sets(system: FuzzySystem) -> Iterator[Finding]:

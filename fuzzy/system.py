@@ -92,7 +92,10 @@ class Input(msgspec.Struct, frozen=True):
 
 
 class NoFire(msgspec.Struct, frozen=True):
-    """What an output is when no rule fires: ``value`` (default), the last output, the midpoint of its range, or NaN."""
+    """What an output is when no rule fires: ``value`` (default), the last output, the midpoint of its range, or NaN.
+
+    The value may lie outside the output's range, as that of IEC 61131-7's DEFAULT.
+    """
 
     policy: NoFirePolicy = "default"
     value: float = 0.0

@@ -241,8 +241,8 @@ def _check_output(output: Output, path: str, defuzzifier: Defuzzifier, n_inputs:
         case _:
             _check_areas(output, path, defuzzifier)
     policy, value = output.no_fire.policy, output.no_fire.value
-    if policy == "default" and not output.low <= value <= output.high:
-        message = f"default {value:g} is outside the range [{output.low:g}, {output.high:g}]"
+    if policy == "default" and not abs(value) <= MAX_VALUE:
+        message = f"default {value:g}: valid is a finite number of at most {MAX_VALUE:g}, also outside the range"
         raise InvalidSystemError(message, f"{path}.no_fire")
     if policy != "default" and value != 0:
         raise InvalidSystemError(

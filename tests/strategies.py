@@ -179,7 +179,8 @@ def no_fires(draw: st.DrawFn, ends: tuple[float, float]) -> NoFire:
     """What an output with these ends may be when no rule fires."""
     policy = draw(_policies)
     low, high = ends
-    return NoFire(policy, min(high, low + (high - low) * draw(_unit)) if policy == "default" else 0.0)
+    inside = min(high, low + (high - low) * draw(_unit))
+    return NoFire(policy, draw(st.just(inside) | st.floats(-1e12, 1e12)) if policy == "default" else 0.0)
 
 
 @st.composite

@@ -50,7 +50,9 @@ def set_range(
 
     terms = tuple(replace(term, shape=motion.moved(term.shape, moved, factor)) for term in found.terms)
     if isinstance(found, Output) and found.no_fire.policy == "default":
-        default = NoFire("default", min(max(moved(found.no_fire.value), low), high))
+        value = moved(found.no_fire.value)
+        is_inside = found.low <= found.no_fire.value <= found.high  # and stays so, whatever the rounding
+        default = NoFire("default", min(max(value, low), high) if is_inside else value)
         return changed(system, found, low=low, high=high, terms=terms, no_fire=default)
     return changed(system, found, low=low, high=high, terms=terms)
 

@@ -105,7 +105,9 @@ def test_policies_of_every_variable(screen: Screen) -> None:
     screen.send(screen.find("T silent"), "default")
     state = screen.send(screen.find("T is then"), 12.5)
     assert state.document.outputs[0].no_fire == NoFire("default", 12.5)
-    assert has_error(screen.send(screen.find("T is then"), 86.0))
+    state = screen.send(screen.find("T is then"), 86.0)
+    assert state.document.outputs[0].no_fire == NoFire("default", 86.0)
+    assert has_error(screen.send(screen.find("T is then"), 1e13))
     screen.dispatch(Edit("rename", partial(edits.rename_variable, variable="de", name="rate")))
     assert screen.find("rate beyond").value == "reject"
 

@@ -176,7 +176,7 @@ def sayable(draw: st.DrawFn, kind: Format) -> FuzzySystem:
     for name in draw(st.sampled_from((("y",), ("y", "z")))):
         low, high = draw(ends)
         policy: Any = draw(st.sampled_from(POLICIES[kind]))
-        value = min(high, low + (high - low) * draw(_unit)) if policy == "default" else 0.0
+        value = low + (high - low) * draw(_wide) if policy == "default" else 0.0
         outputs.append(
             Output(name, low, high, draw(_terms(low, high, kind, is_output=True)), no_fire=NoFire(policy, value))
         )

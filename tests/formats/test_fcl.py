@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from fuzzy import formats
+from fuzzy import compile_system, formats
 from fuzzy.errors import FormatError
 from fuzzy.shapes import Bell, Cosine, Gaussian, Points, Sigmoid, Singleton, Trapezoid, Triangle
 from fuzzy.system import And, FuzzySystem, Is, NoFire, Not, Or, Sampling
@@ -151,3 +151,13 @@ def test_mistakes_are_named_where_they_stand(old: str, new: str, message: str, l
         read(TEXT.replace(old, new, 1))
     assert re.search(message, caught.value.message), caught.value.message
     assert caught.value.line == line, str(caught.value)
+
+
+def test_a_default_may_lie_outside_the_range() -> None:
+    """As in the standard, in jFuzzyLogic and in fuzzylite: it is no place in the universe of the sets."""
+    text = TEXT.replace("DEFAULT := NC", "DEFAULT := -7.5").replace("  RULE 2", "  // RULE 2")
+    system = read(text.replace("temp is cold or temp is fine AND rate IS NOT low", "temp is cold"))
+    assert (system.outputs[0].low, system.outputs[0].high) == (0, 100)
+    assert compile_system(system)(10.0, 0.0) == -7.5
+    again = formats.loads(formats.write(system, "fcl").text, "x.fcl")
+    assert again.outputs[0].no_fire == NoFire("default", -7.5)

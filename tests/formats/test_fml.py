@@ -110,7 +110,7 @@ BOMB = '<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a
         ('connector="OR"', 'connector="XOR"', "unknown word 'XOR'", 18),
         ('connector="OR"', 'connector="OR" weight="2"', "weight 2", 18),
         ('connector="OR"', 'connector="OR" weight="0.5"', "<else> in a rule with a weight", 25),
-        ('defaultValue="7"', 'defaultValue="700"', "default 700 is outside the range", 10),
+        ('defaultValue="7"', 'defaultValue="7e12"', r"default 7e\+12: valid is a finite number", 10),
         ("fuzzySystem", "fuzzySet", "expected <fuzzySystem>, found <fuzzySet>", 3),
     ],
 )
@@ -280,3 +280,8 @@ def test_values_that_jfml_does_not_read_or_reads_otherwise_are_remarks() -> None
     imported = formats.from_bytes(complement.encode(), "x.xml")
     assert imported.system.outputs[0].terms[0].complement
     assert "JFML takes 1 minus the place" in imported.remarks[0].message
+
+
+def test_without_a_default_it_is_0_also_where_the_range_is_elsewhere() -> None:
+    text = TSUKAMOTO.replace(' defaultValue="4"', "").replace('name="z" domainleft="0"', 'name="z" domainleft="1"')
+    assert read(text).outputs[0].no_fire == NoFire("default", 0.0)

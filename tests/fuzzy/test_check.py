@@ -13,7 +13,7 @@ from fuzzy.check import check, gaps, locate
 from fuzzy.formats import dumps, load, save
 from fuzzy.language import parse_rule
 from fuzzy.shapes import Gaussian, Trapezoid, Triangle
-from fuzzy.system import FuzzySystem, Input, RuleBase, Sampling, Term
+from fuzzy.system import FuzzySystem, Input, NoFire, RuleBase, Sampling, Term
 from tests import plain, strategies
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
@@ -39,6 +39,12 @@ def test_shipped_rule_bases_are_clean(system):
     ("system", "level", "path", "message"),
     [
         (edits.set_shape(DIAGONAL, "de", "Z", Triangle(-1, 0, 1)), None, "", ""),
+        (
+            edits.set_no_fire(DIAGONAL, "T", NoFire("default", 850)),
+            "warning",
+            "outputs.T.no_fire",
+            "default 850 is outside the range [-85, 85]",
+        ),
         (
             edits.set_shape(edits.set_shape(DIAGONAL, "de", "SL", Triangle(-4, -2, -1)), "de", "Z", Triangle(0, 0, 2)),
             "warning",

@@ -202,12 +202,13 @@ def test_scaling_a_range_keeps_every_degree(drawn, low, width):
         assert plain.degrees(after.shape, moved) == pytest.approx(plain.degrees(before.shape, x), abs=1e-7)
 
 
-def test_a_range_that_leaves_the_default_outside_is_refused():
+def test_a_default_scales_with_the_range_or_stays():
     system = edits.set_no_fire(DIAGONAL, "T", NoFire("default", 84))
-    with pytest.raises(InvalidSystemError, match=r"outputs.T.no_fire: default 84 is outside the range \[-83, 83\]"):
-        edits.set_range(system, "T", -83, 83)
+    assert edits.set_range(system, "T", -83, 83).outputs[0].no_fire == NoFire("default", 84)
     scaled = edits.set_range(system, "T", -42.5, 42.5, scales_terms=True)
     assert scaled.outputs[0].no_fire == NoFire("default", 42)
+    outside = edits.set_no_fire(DIAGONAL, "T", NoFire("default", 170))
+    assert edits.set_range(outside, "T", -42.5, 42.5, scales_terms=True).outputs[0].no_fire == NoFire("default", 85)
     with pytest.raises(InvalidSystemError, match="valid is low < high"):
         edits.set_range(DIAGONAL, "e", 1, -1, scales_terms=True)
 
@@ -259,7 +260,7 @@ def test_renaming_follows_into_rule_texts():
         (lambda s: edits.set_inference(s, implicaton="min"), "unknown option 'implicaton'; did you mean 'implication'"),
         (lambda s: edits.set_inference(s, implication="maximum"), "Invalid enum value 'maximum'"),
         (lambda s: edits.set_inference(s, resolution=Sampling(0)), "0 points: valid are 2 to 100000"),
-        (lambda s: edits.set_no_fire(s, "T", NoFire("default", 90)), "default 90 is outside the range"),
+        (lambda s: edits.set_no_fire(s, "T", NoFire("default", 1e13)), "default 1e+13: valid is a finite number"),
         (lambda s: edits.set_no_fire(s, "e", NoFire()), "'e' is an input"),
         (lambda s: edits.set_out_of_range(s, "T", "clamp"), "'T' is an output"),
         (lambda s: edits.set_name(s, ""), "the system's name is empty"),

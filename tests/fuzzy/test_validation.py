@@ -115,8 +115,8 @@ def test_numbers_become_floats_and_sequences_tuples():
         (_with_output(terms=(Term("L", Triangle(90, 95, 99)),)), "outputs.T.terms.L", "no area in [-85, 85]"),
         (_with_output(terms=(Term("L", Triangle(5, 5, 5)),)), "outputs.T.terms.L", "no area in [-85, 85]"),
         (_with_output(terms=(Term("L", Gaussian(900, 1)),)), "outputs.T.terms.L", "no area in [-85, 85]"),
-        (_with_output(no_fire=NoFire("default", 86)), "outputs.T.no_fire", "default 86 is outside the range [-85, 85]"),
-        (_with_output(no_fire=NoFire("default", math.nan)), "outputs.T.no_fire", "default nan is outside"),
+        (_with_output(no_fire=NoFire("default", math.inf)), "outputs.T.no_fire", "default inf: valid is a finite"),
+        (_with_output(no_fire=NoFire("default", math.nan)), "outputs.T.no_fire", "default nan: valid is a finite"),
         (
             _with_output(no_fire=NoFire("hold", 1)),
             "outputs.T.no_fire",

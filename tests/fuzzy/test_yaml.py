@@ -201,7 +201,7 @@ MISTAKES = [
     ("{triangle: [-1, 1, .inf]}", "¦{}", "expected one shape such as {triangle: [-1, 0, 1]}, found 0"),
     ("{triangle: [-1, 1, .inf]}", "¦big", "expected a shape such as {triangle: [-1, 0, 1]}, found 'big'"),
     ("LL: {triangle: [-100, -85, 0]}", "¦LL: {triangle: [90, 95, 99]}", "the set has no area in [-85, 85]"),
-    ("[-85, 85]", "[-85, 85]\n    ¦no_fire: {default: 99}", "default 99 is outside the range [-85, 85]"),
+    ("[-85, 85]", "[-85, 85]\n    ¦no_fire: {default: 1.0e+13}", "default 1e+13: valid is a finite number"),
     ("[-85, 85]", "[-85, 85]\n    no_fire: ¦default", "expected {default: VALUE} or one of hold, midpoint, nan, found"),
     ("[-85, 85]", "[-85, 85]\n    no_fire: {¦hold: 1}", "unknown key 'hold'; valid: default"),
     ("  T:\n", "  ¦e:\n", "the name 'e' is used twice"),
