@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any, NamedTuple
 
 import msgspec
@@ -80,6 +81,7 @@ def prepare(setup: Setup, controller: Controller, law: str | None = None) -> Exp
     return Experiment(arm, controllers.scaled(wanted, factors), scenario)
 
 
+@functools.lru_cache(maxsize=4)  # the page asks for it many times
 def scenario_of(setup: Setup) -> Scenario:
     """Return the scenario of a setup, with its disturbance, its mismatch and its limits.
 

@@ -9,7 +9,7 @@ import viser
 
 from app import clean
 from app.store import Dispatch
-from app.widgets import Meaning, on_input
+from app.widgets import Meaning, on_input, put
 
 MOST_VALUE = 1e12
 """Greatest magnitude of a number that may be typed."""
@@ -37,10 +37,10 @@ class NumberRow:
     def show(self, shown: Sequence[tuple[str, float]], decimals: int) -> None:
         """Show these names and numbers, at most three; none hides the row."""
         for size, handle in self._handles.items():
-            handle.visible = size == len(shown)
+            put(handle, visible=size == len(shown))
             if handle.visible:
-                handle.label = " · ".join(name for name, _ in shown)
-                handle.precision, handle.step = decimals, 10.0**-decimals
+                label = " · ".join(name for name, _ in shown)
+                put(handle, label=label, precision=decimals, step=10.0**-decimals)
                 values = tuple(float(value) for _, value in shown)
                 handle.value = values[0] if size == 1 else values
 

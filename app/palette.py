@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,6 +41,7 @@ GRID = "#33363d"
 SURFACE = "#2b2d33"
 
 
+@functools.cache
 def term_color(index: int, count: int) -> RGB:
     """Return the colour of term ``index`` of ``count``."""
     place = (len(_SCALE) - 1) * (index / (count - 1) if count > 1 else 0.5)

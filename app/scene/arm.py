@@ -15,6 +15,7 @@ from app.scene.stage import base_height
 from app.scene.tube import tube_faces, tube_vertices
 from app.state import MAX_KEPT, AppState
 from app.store import Shown
+from app.widgets import put
 from robot import kinematics
 from robot.arm import Arm, parameters
 
@@ -82,18 +83,20 @@ class ArmView:
             self._target = frame.target.copy()
             self._ghost.vertices = self._tube(kinematics.backbone(arm, frame.target, _POINTS), _GHOST_RADIUS, _SIDES)
         curves = kinematics.actuators(arm, frame.q, _ACTUATOR_POINTS)
-        for curve, mesh, force in zip(curves, self._actuators, frame.forces, strict=True):
-            mesh.vertices = self._tube(curve, _ACTUATOR_RADIUS, _ACTUATOR_SIDES)
+        points, normals = np.array([curve.points for curve in curves]), np.array([curve.normals for curve in curves])
+        tubes = tube_vertices(points, normals, _ACTUATOR_RADIUS, _ACTUATOR_SIDES, self._height)
+        for vertices, mesh, force in zip(tubes, self._actuators, frame.forces, strict=True):
+            mesh.vertices = vertices
             color = force_color(float(force))
             if tuple(mesh.color) != color:
                 mesh.color = color
         ghosts = {} if self._hides_kept else {ghost.slot: ghost.q for ghost in frame.ghosts}
         for slot, mesh in enumerate(self._kept):
-            mesh.visible = slot in ghosts
+            put(mesh, visible=slot in ghosts)
             if slot in ghosts:
                 mesh.vertices = self._tube(kinematics.backbone(arm, ghosts[slot], _POINTS), _KEPT_RADIUS, _SIDES)
-        for ends, mesh in zip(kinematics.rods(arm, frame.q).ends[1:], self._rods, strict=True):
-            mesh.vertices = self._rod(ends)
+        for vertices, mesh in zip(self._rod_tubes(kinematics.rods(arm, frame.q).ends[1:]), self._rods, strict=True):
+            mesh.vertices = vertices
 
     def _build(self, arm: Arm) -> None:
         """Make the meshes of an arm with as many modules."""
@@ -140,11 +143,12 @@ class ArmView:
     def _tube(self, curve: kinematics.Curve, radius: float, n_sides: int) -> Vertices:
         return tube_vertices(curve.points, curve.normals, radius, n_sides, self._height)
 
-    def _rod(self, ends: Array) -> Vertices:
-        """Return a rod as a short tube across the arm, a little longer than the actuators are apart."""
-        along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
-        points = np.stack([ends[0] - _ROD_OVERHANG * along, ends[1] + _ROD_OVERHANG * along])
-        normals = np.broadcast_to(np.array([-along[1], along[0]]), (2, 2))
+    def _rod_tubes(self, ends: Array) -> Vertices:
+        """Return rods (N, 2, 2) as short tubes across the arm, a little longer than the actuators are apart."""
+        along = ends[:, 1] - ends[:, 0]
+        along /= np.linalg.norm(along, axis=-1, keepdims=True)
+        points = ends + _ROD_OVERHANG * np.array([[-1.0], [1.0]]) * along[:, np.newaxis]
+        normals = np.broadcast_to((along[:, ::-1] * [-1.0, 1.0])[:, np.newaxis], points.shape)
         return tube_vertices(points, normals, _ROD_RADIUS, _SIDES, self._height)
 
 

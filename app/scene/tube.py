@@ -35,20 +35,23 @@ def tube_faces(n_points: int, n_sides: int) -> NDArray[np.uint32]:
 
 
 def tube_vertices(points: Array, normals: Array, radius: float, n_sides: int, height: float) -> NDArray[np.float32]:
-    """Return the vertices of a tube around a curve in the n1-n3 plane, in the scene's axes.
+    """Return the vertices of tubes around curves in the n1-n3 plane, in the scene's axes.
 
     Args:
-        points: (n, 2) places of the curve along n1 and n3, m.
-        normals: (n, 2) unit normals in the plane.
-        radius: Of the tube, m.
+        points: (..., n, 2) places of the curves along n1 and n3, m.
+        normals: (..., n, 2) unit normals in the plane.
+        radius: Of the tubes, m.
         n_sides: Vertices of each ring.
         height: Of the arm's base over the floor, m.
 
     Returns:
-        (n n_sides + 2, 3) in the order that ``tube_faces`` expects.
+        (..., n n_sides + 2, 3) in the order that ``tube_faces`` expects.
     """
+    n_points = points.shape[-2]
     angle = np.linspace(0.0, 2.0 * np.pi, n_sides, endpoint=False)
-    in_plane = points[:, None, :] + radius * np.cos(angle)[None, :, None] * normals[:, None, :]
-    across = np.broadcast_to(radius * np.sin(angle), (len(points), n_sides))
-    rings = to_scene(in_plane.reshape(-1, 2), height, across.reshape(-1))
-    return np.concatenate([rings, to_scene(points[[0, -1]], height)]).astype(np.float32)
+    in_plane = points[..., None, :] + radius * np.cos(angle)[:, None] * normals[..., None, :]
+    vertices = np.empty((*points.shape[:-2], n_points * n_sides + 2, 3), dtype=np.float32)
+    flat = in_plane.reshape(*points.shape[:-2], n_points * n_sides, 2)
+    vertices[..., :-2, :] = to_scene(flat, height, np.tile(radius * np.sin(angle), n_points))
+    vertices[..., -2:, :] = to_scene(points[..., [0, -1], :], height)
+    return vertices

@@ -11,7 +11,7 @@ from app import clean
 from app.palette import KEPT, MUTED, css
 from app.state import MAX_KEPT, AppState, Edit, KeptRemoved, KeptRenamed, RunKept
 from app.store import Shown, Store
-from app.widgets import div, escape, number, on_input
+from app.widgets import div, escape, number, on_input, put
 
 
 class BaselinesView:
@@ -41,13 +41,11 @@ class BaselinesView:
         kept = state.runs.kept
         by_slot = {one.slot: one for one in kept}
         for slot, handle in enumerate(self._names):
-            handle.visible = slot in by_slot
+            put(handle, visible=slot in by_slot)
             handle.value = by_slot[slot].name if slot in by_slot else ""
         options = tuple(str(one.slot + 1) for one in kept) or ("–",)
         for handle in (self._use, self._remove):
-            handle.visible = bool(kept)
-            if tuple(handle.options) != options:
-                handle.options = options
+            put(handle, visible=bool(kept), options=options)
         lines = [
             f'<span style="color:{css(KEPT[one.slot])}">━ {one.slot + 1}</span> {escape(one.name)} '
             f'<span style="color:{MUTED}">{escape(one.setup.scenario)}, {escape(one.setup.arm)} · overshoot '

@@ -13,7 +13,7 @@ from app import clean, experiment
 from app.palette import MUTED
 from app.state import AppState, Setup, SetupChanged
 from app.store import Shown, Store
-from app.widgets import coordinate_label, div, number, on_input
+from app.widgets import coordinate_label, div, number, on_input, put
 from robot import controllers
 from robot.arm import PRESETS, Arm
 
@@ -199,7 +199,7 @@ class ExperimentView:
         setup = state.setup
         self._render_choices(setup)
         frequency = experiment.natural_frequency(setup)
-        self._frequency.visible = frequency is not None
+        put(self._frequency, visible=frequency is not None)
         if frequency is not None:
             self._frequency.value = frequency
         defaults = experiment.parameters(setup)
@@ -219,11 +219,10 @@ class ExperimentView:
             self._choices["disturbance"].options = tuple(offered)
         for field, texts in self._options.items():
             self._choices[field].value = next(text for text, name in texts.items() if name == getattr(setup, field))
-        self._nothing.visible = setup.disturbance == "none"
-        self._coordinate.visible = setup.disturbance == "pulse"
+        put(self._nothing, visible=setup.disturbance == "none")
+        put(self._coordinate, visible=setup.disturbance == "pulse")
         names = tuple(coordinate_label(name) for name in Arm.preset(setup.arm).coordinates)
-        if tuple(self._coordinate.options) != names:
-            self._coordinate.options = names
+        put(self._coordinate, options=names)
         self._coordinate.value = coordinate_label(setup.pulse_coordinate)
 
     def _choose(self, field: str, value: object) -> SetupChanged:
@@ -256,7 +255,7 @@ def _event(field: Field, value: object) -> SetupChanged:
 
 
 def _render(field: Field, handle: Any, setup: Setup, default: float | None, shows: bool) -> None:
-    handle.visible = shows
+    put(handle, visible=shows)
     value = getattr(setup, field.name)
     value = default if value is None else value
     if shows and value is not None:

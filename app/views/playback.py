@@ -9,7 +9,7 @@ from app.palette import BAD, ERROR, GOOD, MUTED
 from app.runner import Frame
 from app.state import SPEEDS, AppState, Event, Playback, PlaybackChanged, ResetRequested
 from app.store import Shown, Store
-from app.widgets import MARK, div, escape, on_input
+from app.widgets import MARK, div, escape, on_input, put
 
 _SPEEDS = {f"{speed:g}×": speed for speed in SPEEDS}
 _SOURCES = {"live simulation": "live", "replay of the run": "replay"}
@@ -50,8 +50,7 @@ class PlaybackView:
         self._source.value = next(text for text, name in _SOURCES.items() if name == playback.source)
         self._speed.value = next(text for text, speed in _SPEEDS.items() if speed == playback.speed)
         options = tuple(f"{MARK}{name}" if name == "loop" and playback.loops else name for name in _BUTTONS)
-        if tuple(self._buttons.options) != options:
-            self._buttons.options = options
+        put(self._buttons, options=options)
         if state.runs.current is not None:
             self._duration = state.runs.current.run.scenario.duration
             self._time.max = self._duration

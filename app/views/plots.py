@@ -16,7 +16,7 @@ from app.palette import BEFORE, COORDINATES, KEPT, PID, REFERENCE, RUN, css
 from app.runner import Frame
 from app.state import CHARTS, MAX_KEPT, AppState, Chart, Result, Selected
 from app.store import Shown, Store, is_same
-from app.widgets import MARK, ChoiceGroup, coordinate_label, div, escape, on_input
+from app.widgets import MARK, ChoiceGroup, coordinate_label, div, escape, on_input, put
 from robot.arm import PRESETS, Arm
 
 _POINTS = 500
@@ -107,13 +107,11 @@ class PlotsView:
         marked = tuple(f"{MARK}{name}" if i in state.others else name for i, name in enumerate(names))
         signals = tuple(f"{MARK}{_NAMES[name]}" if name in state.charts else _NAMES[name] for name in CHARTS)
         for handle, options in ((self._others, marked), (self._signals, signals)):
-            handle.visible = True
-            if tuple(handle.options) != options:
-                handle.options = options
+            put(handle, visible=True, options=options)
 
     def _show(self, drawn: _Drawn, is_visible: bool) -> None:
-        drawn.title.visible = is_visible
-        drawn.chart.visible = is_visible
+        put(drawn.title, visible=is_visible)
+        put(drawn.chart, visible=is_visible)
 
     def _draw_response(self, drawn: _Drawn, state: AppState, t: Array, i: int) -> None:
         runs = state.runs
@@ -156,8 +154,7 @@ class PlotsView:
 
     def _fill(self, drawn: _Drawn, data: tuple[Array, ...], lines: Sequence[Line], title: str) -> None:
         described = series(lines)
-        if drawn.chart.series != described:
-            drawn.chart.series = described
+        put(drawn.chart, series=described)
         drawn.chart.data = data
         drawn.title.content = _title_html(title, lines)
 

@@ -12,7 +12,7 @@ from app.scene.scene import look
 from app.scene.stage import CAMERAS
 from app.state import LAYERS, AppState, Notice, Noticed, Selected
 from app.store import Shown, Store
-from app.widgets import MARK, div, on_input
+from app.widgets import MARK, div, on_input, put
 
 
 class StageView:
@@ -33,8 +33,7 @@ class StageView:
     def render(self, state: AppState) -> None:
         """Mark the layers that are shown."""
         options = tuple(name if name in state.hidden else f"{MARK}{name}" for name in LAYERS)
-        if tuple(self._layers.options) != options:
-            self._layers.options = options
+        put(self._layers, options=options)
 
     def _toggle(self, value: object) -> Selected:
         text = value.removeprefix(MARK) if isinstance(value, str) else value

@@ -15,7 +15,7 @@ from app.state import AppState, Edit, Event, Selected
 from app.store import Shown, Store, View
 from app.views.files.exchange import ExchangeView, file_stem
 from app.views.files.history import HistoryView
-from app.widgets import div, escape, on_input
+from app.widgets import div, escape, on_input, put
 from fuzzy import edits
 
 _MOST_NOTES = 20_000
@@ -58,8 +58,7 @@ class FilesView:
         title = escape(state.document.name)
         self._current.content = div(f"<b>{title}</b> in {escape(state.file or 'no file')}{mark}")
         files = state.files if state.file in state.files else (state.file or "", *state.files)
-        if tuple(self._file.options) != files:
-            self._file.options = files
+        put(self._file, options=files)
         self._file.value = state.file or ""
         self._name.value = state.new_name
         self._notes.value = state.document.notes

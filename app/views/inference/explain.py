@@ -17,7 +17,7 @@ from app.palette import BAD, ERROR, MUTED, RUN, css, term_color
 from app.runner import Frame
 from app.state import AppState, DesignChanged
 from app.store import Shown, Store
-from app.widgets import MARK, coordinate_label, div, escape, on_input
+from app.widgets import MARK, coordinate_label, div, escape, on_input, put
 from fuzzy.errors import FuzzyError
 from fuzzy.inference import Controller, Trace, compile_system
 from fuzzy.language import format_expression
@@ -69,8 +69,7 @@ class ExplainView:
         """Show the chosen inputs, and explain them if the document or they are new."""
         probe = state.design.probe
         options = (_LIVE, f"{MARK}{_CHOSEN}") if probe is not None else (f"{MARK}{_LIVE}", _CHOSEN)
-        if tuple(self._which.options) != options:
-            self._which.options = options
+        put(self._which, options=options)
         names = [variable.name for variable in state.document.inputs]
         pairs = list(zip(names, probe or (), strict=False))
         for row, numbers in enumerate(self._numbers):

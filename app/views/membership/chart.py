@@ -18,7 +18,7 @@ from app.views.membership.gain import GainView
 from app.views.membership.points import PointsView
 from app.views.membership.term import TermView
 from app.views.membership.variable import VariableView
-from app.widgets import MARK, ChoiceGroup, div, escape, on_input
+from app.widgets import MARK, ChoiceGroup, div, escape, on_input, put
 from fuzzy import sets
 from fuzzy.system import Input, Variable
 
@@ -66,8 +66,7 @@ class MembershipView:
         self._variable.show([v.name for v in (*state.document.inputs, *state.document.outputs)], variable.name)
         chosen_ways = {state.drag, _SYMMETRIC if state.design.is_symmetric else ""}
         options = tuple(f"{MARK}{way}" if way in chosen_ways else way for way in _DRAGGING)
-        if tuple(self._drag.options) != options:
-            self._drag.options = options
+        put(self._drag, options=options)
         drawn = (variable, state.term)
         if drawn != self._drawn:
             self._drawn = drawn

@@ -11,7 +11,7 @@ from app.palette import MUTED
 from app.state import AppState, SetupChanged
 from app.store import Shown, Store
 from app.views.membership.choice import chosen
-from app.widgets import coordinate_label, div, number, on_input
+from app.widgets import coordinate_label, div, number, on_input, put
 from robot import controllers
 from robot.controllers import Gain
 
@@ -52,11 +52,11 @@ class GainView:
         place = _place(state)
         result = state.runs.current
         gains = {} if result is None else controllers.gains(result.run.controller)
-        self._factor.visible = place is not None and place.gain in gains
+        put(self._factor, visible=place is not None and place.gain in gains)
         if place is None or result is None or place.gain not in gains:
             self._text.content = ""
             return
-        self._factor.label = f"{place.name} ×"
+        put(self._factor, label=f"{place.name} ×")
         self._factor.value = min(getattr(state.setup, place.gain), _MOST)
         value = gains[place.gain][state.coordinate]
         name = coordinate_label(result.run.arm.coordinates[state.coordinate])

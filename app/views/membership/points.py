@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import viser
 
 from app import clean
-from app.state import AppState, DragMode, Event, Selected
+from app.state import AppState, DragMode, Selected
 from app.store import Shown, Store
 from app.views.membership.choice import chosen, edit_of_term, extent, possible_mode
-from app.widgets import full_width_html, on_input
+from app.widgets import Meaning, full_width_html, on_input
 from fuzzy import edits, shapes
 from fuzzy.shapes import Shape
 from fuzzy.system import FuzzySystem, Variable
@@ -78,7 +78,7 @@ class PointsView:
             self._parts = [self._slider, style]
             on_input(self._slider, self._store.dispatch, self._dragged)
 
-    def _dragged(self, values: Any) -> tuple[Event, ...] | None:
+    def _dragged(self, values: Any) -> Meaning:
         state = self._store.state
         assert state is not None, "rendered before any callback"
         variable = chosen(state)
@@ -99,7 +99,7 @@ class PointsView:
         )
         gesture = f"drag {variable.name} {thumb.term} {thumb.parameter}"
         edit = edit_of_term(state, f"{variable.name}: drag {thumb.term}", change, thumb.term, gesture)
-        return Selected({"term": thumb.term}), edit
+        return edit if thumb.term == state.term else (Selected({"term": thumb.term}), edit)
 
 
 def thumbs(variable: Variable, term: str, mode: DragMode) -> tuple[Thumb, ...]:

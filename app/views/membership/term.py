@@ -21,7 +21,7 @@ from app.views.membership.choice import (
     is_shown_as,
     possible_mode,
 )
-from app.widgets import MARK, ChoiceGroup, on_input
+from app.widgets import MARK, ChoiceGroup, on_input, put
 from fuzzy import edits, shapes
 from fuzzy.edits import MoveMode, Side
 from fuzzy.shapes import Shape
@@ -68,8 +68,7 @@ class TermView:
         self._term.show([term.name for term in variable.terms], state.term)
         self._name.value = state.term if state.design.term_name is None else state.design.term_name
         kinds = _kinds(variable)
-        if tuple(self._shape.options) != kinds:
-            self._shape.options = kinds
+        put(self._shape, options=kinds)
         self._shape.value = shapes.kind(shape)
         finite = _finite(shape)
         for number, row in enumerate(self._rows):
@@ -79,8 +78,7 @@ class TermView:
         sides = edits.sides_that_open(shape)
         offered = (*(text for text, side in _SIDES.items() if side in sides), _NOT)
         options = tuple(f"{MARK}{text}" if is_on[text] else text for text in offered)
-        if tuple(self._traits.options) != options:
-            self._traits.options = options
+        put(self._traits, options=options)
         self._height.value = float(entry.height)
 
     def _act(self, value: object) -> Event | tuple[Event, ...] | None:

@@ -12,7 +12,7 @@ from app.numbers import MOST_VALUE
 from app.state import AppState, DesignChanged, Edit, Event, Selected
 from app.store import Shown, Store
 from app.views.membership.choice import chosen, digits, is_shown_as
-from app.widgets import on_input
+from app.widgets import on_input, put
 from fuzzy import edits
 from fuzzy.system import Variable
 from fuzzy.validation import MAX_TERMS
@@ -53,7 +53,7 @@ class VariableView:
         """Show the chosen variable."""
         variable, design = chosen(state), state.design
         decimals = digits(variable)
-        self._range.precision, self._range.step = decimals, 10.0**-decimals
+        put(self._range, precision=decimals, step=10.0**-decimals)
         self._range.value = (float(variable.low), float(variable.high))
         self._stretch.value = design.stretches
         self._unit.value = variable.unit

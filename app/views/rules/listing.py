@@ -14,7 +14,7 @@ from app.palette import ERROR, MUTED
 from app.runner import Frame
 from app.state import AppState, DesignChanged, Edit, Event
 from app.store import Shown, Store
-from app.widgets import div, escape, full_width_html, on_input
+from app.widgets import div, escape, full_width_html, on_input, put
 from fuzzy import edits, language, rules
 from fuzzy.errors import FormatError
 from fuzzy.system import FuzzySystem
@@ -75,18 +75,17 @@ class RuleListView:
             ]
         )
         self._chosen.content = "" if design.rule is None else grid.chosen_html(f"rule{design.rule}")
-        self._pages.visible = len(listed) > grid.PAGE
+        put(self._pages, visible=len(listed) > grid.PAGE)
         self._text.value = _text(state)
         self._error.content = _error_html(state)
         chosen = None if design.rule is None else listed[design.rule]
-        self._weight.visible = chosen is not None
+        put(self._weight, visible=chosen is not None)
         if chosen is not None:
             self._weight.value = chosen.weight
         has_table = system.rules.table is not None
-        self._form.visible = design.grid is not None
+        put(self._form, visible=design.grid is not None)
         options = (_AS_LIST if has_table else _AS_TABLE,)
-        if tuple(self._form.options) != options:
-            self._form.options = options
+        put(self._form, options=options)
 
     def show(self, frame: Frame) -> None:
         """Let the rules glow with their firing strengths."""

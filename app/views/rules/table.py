@@ -17,7 +17,7 @@ from app.views.rules.axes import AxesView
 from app.views.rules.findings import FindingsView
 from app.views.rules.listing import RuleListView
 from app.views.rules.usage import UsageView, activity_of
-from app.widgets import div, on_input
+from app.widgets import div, on_input, put
 from fuzzy import edits
 from fuzzy.system import Variable
 
@@ -76,7 +76,7 @@ class RulesView:
         """Show the document's rules; rebuild the buttons only for other terms."""
         shown = shown_grid(state)
         for part in (self._fill, self._gains):
-            part.visible = shown is not None
+            put(part, visible=shown is not None)
         if shown is None:
             text = "one input: the rules are a list" if state.design.grid is None else "too many terms for a table here"
             self._table.content = div(f'<span style="color:{MUTED}">{text}</span>')
