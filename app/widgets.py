@@ -114,6 +114,12 @@ def full_width_html(handle: Any, left: int, right: int) -> str:
     return f"<style>{column}{{display:none}}{column} + div{{margin:0 {right}px 0 {left}px}}</style>"
 
 
+def aligned_html(handles: Sequence[Any]) -> str:
+    """Return a style sheet that gives inputs in a folder without a name the labels' width of those outside."""
+    columns = ",".join(f'div:has(> p > label[for="{element_id(handle)}"])' for handle in handles)
+    return f"<style>{columns}{{width:7.25em !important}}</style>"
+
+
 def div(content: str, style: str = "") -> str:
     """Return a block in the workbench's type, as wide as the other widgets of a panel."""
     base = f"padding:0 0.75em;margin:0.35em 0;font:13px/1.45 {FONT};color:{TEXT}"
@@ -130,6 +136,12 @@ def number(value: float, digits: int = 3) -> str:
     if 0.0 < abs(value) < _TINY:
         return "≈ 0"
     return f"{value:.{digits}g}".replace("-", "−")
+
+
+def equation(name: str, value: float) -> str:
+    """Return "name = value" for reading; of a tiny value "name ≈ 0"."""
+    text = number(value)
+    return f"{name} {text}" if text.startswith("≈") else f"{name} = {text}"
 
 
 def coordinate_label(name: str) -> str:

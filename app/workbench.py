@@ -5,24 +5,24 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
-from collections.abc import Awaitable
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import viser
 
 from app.filing import Filing
 from app.guard import start_server
 from app.journal import Journal
+from app.page import add_commands, install
 from app.runner import Frame, Runner
 from app.scene.scene import Scene
-from app.state import Asked, Event, Notice, Noticed, PlaybackChanged, Redo, ResetRequested, RunKept, Undo, initial
+from app.state import Asked, Notice, Noticed, initial
 from app.storage import Storage
 from app.store import Store
+from app.studies import Studies
 from app.views.files import FilesView
 from app.views.inference import ExplainView, InferenceView
 from app.views.membership import MembershipView
-from app.views.playback import PlaybackView
 from app.views.question import QuestionView
 from app.views.rules import RulesView
 from app.views.run import RunPanels
@@ -73,6 +73,7 @@ class Workbench:
         self._filing = Filing(storage, lambda: self.store.state)
         self._journal = Journal(storage.folder, self._warn)
         self._runner = Runner(self.store.post, lambda post: warm_up(opened.system, post))
+        self._studies = Studies(self.store.post)
         self._live_views: list[LiveView] = []
         asyncio.run_coroutine_threadsafe(self._build(), self._loop).result()
         self.store.post(Asked(self._journal.found()))
@@ -94,6 +95,7 @@ class Workbench:
         for work in self._background:
             work.cancel()
         self.keep_work()
+        self._studies.stop()
         self._runner.stop()
         self.store.close()
         self.server.stop()
@@ -101,6 +103,8 @@ class Workbench:
     async def _greet(self, client: viser.ClientHandle) -> None:
         count = len(self.server.get_clients())
         came = client.client_id in self.server.get_clients()
+        if came:
+            install(client)
         _log.info("browser %d %s, %d there", client.client_id, "came" if came else "went", count)
 
     def _refuse(self, sentence: str) -> None:
@@ -133,32 +137,10 @@ class Workbench:
         question = QuestionView(gui, self.store.dispatch, self._filing, self._journal)
         scene = Scene(self.server, self.store, self._runner.pull)
         self._live_views = [scene, rules, membership, explanation, *run.live_views]
-        self.store.add(self._journal, self._runner, *rules.views, *membership.views, *inference.views, explanation)
-        self.store.add(*files.views, question, *scene.views, *run.views)
-        self._add_commands(run.playback)
-
-    def _add_commands(self, playback: PlaybackView) -> None:
-        """Register the hotkeys."""
-
-        def add(label: str, to_event: Any, hotkey: Any, modifier: Any = None) -> None:
-            command = self.server.gui.add_command(label, hotkey=hotkey, modifier=modifier)
-
-            @command.on_trigger
-            async def _(_: Any) -> None:
-                event = to_event()
-                self.store.dispatch(await event if isinstance(event, Awaitable) else event)
-
-        def play_or_pause() -> Event:
-            return PlaybackChanged({"is_playing": not self.store.state.playback.is_playing})
-
-        add("Undo", Undo, "Z", "cmd/ctrl")
-        add("Redo", Redo, "Z", "cmd/ctrl+shift")
-        add("Save", self._filing.save, "S", "cmd/ctrl")
-        add("Play or pause", play_or_pause, "space")
-        add("Reset", ResetRequested, "R")
-        add("Step back", lambda: playback.step(-1), "arrowleft")
-        add("Step", lambda: playback.step(1), "arrowright")
-        add("Keep the run as a baseline", RunKept, "K")
+        self.store.add(self._journal, self._runner, self._studies)
+        self.store.add(*rules.views, *membership.views, *inference.views, explanation, *files.views, question)
+        self.store.add(*scene.views, *run.views)
+        add_commands(gui, self.store, run.playback, self._filing)
 
     async def _stream_frames(self) -> None:
         """Show the latest frame at ``FRAME_RATE`` while anybody looks; one that stands still is shown once."""

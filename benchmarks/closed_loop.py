@@ -20,6 +20,7 @@ from fuzzy.inference import Controller
 from robot import controllers, dynamics, experiments
 from robot.arm import Arm
 from robot.batch import batch_simulate
+from robot.robustness import random_arms
 from robot.scenario import STEP, Scenario
 from robot.simulation import simulate
 
@@ -72,7 +73,7 @@ def batches(inference: Controller) -> None:
     scenario = msgspec.structs.replace(Scenario.preset("step"), prefilter=12.0)
     print(f"\n{'batch':8}{'pid':>10}{'fuzzy_flc':>12}   million arm-steps/s on {os.cpu_count()} cores")
     for size in (1, 10, 100, 1000):
-        arms = experiments.random_arms(size)
+        arms = random_arms(experiments.arm(), size)
         line = f"{size:<8}"
         for name, width in (("pid", 10), ("fuzzy_flc", 12)):
             law = experiments.law(name, inference)

@@ -11,10 +11,9 @@ from typing import Literal, NamedTuple
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from robot import controllers
-from robot.arm import Arm, parameters
+from robot.arm import Arm
 from robot.batch import batch_simulate
 from robot.controllers import ControlLaw
 from robot.controllers import pid as pid_gains
@@ -22,10 +21,10 @@ from robot.controllers.fuzzy import ERROR_GAIN, OUTPUT_GAIN, RATE_GAIN
 from robot.controllers.fuzzy import Controller as FuzzyController
 from robot.disturbance import BandLimitedNoise
 from robot.errors import RobotError
+from robot.robustness import percentile, random_arms, study
 from robot.scenario import Scenario
 from robot.simulation import Run, simulate
 
-Array = NDArray[np.float64]
 Case = Literal["clean", "noisy"]
 Variant = Literal["raw", "feasible"]
 Progress = Callable[[float], None]
@@ -183,20 +182,6 @@ def sinus(name: str, inference: FuzzyController) -> Run:
     return simulate(arm(), law(name, inference), Scenario.preset("sinus"))
 
 
-def random_arms(count: int, spread: float = 0.3, seed: int = 0) -> list[Arm]:
-    """Return arms of which every mass, inertia, spring and damper is off by up to ± ``spread``, uniformly."""
-    generator = np.random.default_rng(seed)
-    nominal = parameters(arm())
-    names = ("mass", "inertia", "stiffness", "damping")
-
-    def varied(values: Array) -> Array:
-        return values * generator.uniform(1.0 - spread, 1.0 + spread, values.shape)
-
-    return [
-        msgspec.structs.replace(arm(), **{name: varied(getattr(nominal, name)) for name in names}) for _ in range(count)
-    ]
-
-
 def robustness(
     inference: FuzzyController,
     plants: int = 1000,
@@ -210,15 +195,13 @@ def robustness(
     """
     if not 1 <= plants <= 100_000:
         raise RobotError(f"found {plants}; valid: 1 to 100000", "plants")
-    arms = random_arms(plants)
+    arms = random_arms(arm(), plants)
     rows = []
     for number, name in enumerate(names):
         step = scenario("clean", "feasible")
-        figures = batch_simulate(arms, law(name, inference), step, progress=_part(progress, number, names, plants))
-        over, error = figures.overshoot.max(axis=1), figures.steady_state_error.max(axis=1)
-        # Of runs that ran away the figures are infinite: no interpolation between them.
-        values = [float(np.percentile(x, p, method="higher")) for x in (over, error) for p in (50, 95)]
-        rows.append(Robustness(name, *values, stopped=100.0 * float(figures.stopped.mean())))
+        found = study(arms, law(name, inference), step, progress=_part(progress, number, names, plants))
+        values = [percentile(x, p) for x in (found.overshoot, found.steady_state_error) for p in (50, 95)]
+        rows.append(Robustness(name, *values, stopped=100.0 * float(found.stopped.mean())))
     return rows
 
 

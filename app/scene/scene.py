@@ -13,16 +13,13 @@ from app.runner import Frame
 from app.scene.arm import ArmView
 from app.scene.board import BoardView
 from app.scene.marks import MarksView
-from app.scene.stage import CAMERAS, base_height, to_plane
+from app.scene.stage import CAMERAS, NARROW, base_height, narrow_view, to_plane
 from app.scene.surface import SurfaceView
 from app.store import Store
 from robot.pull import Pull, nearest_point
 
 _FARTHEST = 3.0
 """How far from the base (m) a hand can be."""
-
-_NARROW = 0.9
-"""Width over height of a window for which the first view is too near."""
 
 SetPull = Callable[[Pull | None], None]
 
@@ -90,7 +87,7 @@ class Scene:
 
 async def _step_back(client: viser.ClientHandle) -> None:
     """Let a narrow window see all of the scene."""
-    if client.camera.aspect < _NARROW:
+    if client.camera.aspect < NARROW:
         look(client, "all")
 
 
@@ -114,9 +111,8 @@ def look(client: viser.ClientHandle, name: str) -> None:
         client: The browser.
         name: Of ``CAMERAS``.
     """
-    position, target = (np.array(place) for place in CAMERAS[name])
-    distance = max(1.0, 1.0 / max(client.camera.aspect, 0.2))
+    position, target = narrow_view(CAMERAS[name], client.camera.aspect)
     with client.atomic():
-        client.camera.position = target + distance * (position - target)
+        client.camera.position = position
         client.camera.look_at = target
         client.camera.up_direction = (0.0, 0.0, 1.0)

@@ -42,6 +42,30 @@ CAMERAS: dict[str, Camera] = {
 """Views that can be chosen; the first is the one that the page opens with."""
 
 
+NARROW = 0.9
+"""Width over height of a window below which the page has its panels at the bottom rather than at the sides."""
+
+_BACK = 0.8
+"""How much of the scene's width a narrow window shows: distance times the window's aspect."""
+_UP = 0.3
+"""How far a narrow window's view goes down, so that the scene stands above the panels, in distances of the camera."""
+
+
+def narrow_view(camera: Camera, aspect: float) -> tuple[Array, Array]:
+    """Return where a camera stands and looks in a window of a given width over height.
+
+    A narrow one stands further back, and looks lower: its lower half is covered by the panels.
+    """
+    position, target = np.array(camera.position), np.array(camera.look_at)
+    if aspect >= NARROW:
+        return position, target
+    away = max(1.0, _BACK / max(aspect, 0.2)) * (position - target)
+    sideways = np.cross(away, (0.0, 0.0, 1.0))
+    up = np.cross(sideways, away)
+    down = -_UP * np.linalg.norm(away) / np.linalg.norm(up) * up
+    return target + down + away, target + down
+
+
 def base_height(arm: Arm) -> float:
     """Return how high the arm's base hangs over the floor, m."""
     return _STRETCH * sum(parameters(arm).rest_length) + _CLEARANCE

@@ -8,6 +8,7 @@ from app.state.design import Design
 from app.state.events import (
     Advised,
     Asked,
+    Begun,
     DesignChanged,
     Edit,
     Event,
@@ -74,6 +75,7 @@ __all__ = [
     "Advised",
     "AppState",
     "Asked",
+    "Begun",
     "Chart",
     "Conflict",
     "Design",

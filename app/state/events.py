@@ -9,6 +9,7 @@ import msgspec
 
 from app.state.model import Advice, Notice, Question, Result, Source, Upload, Work
 from app.state.setup import Setup
+from app.state.study import StudyEvent
 from app.storage import Stamp
 from fuzzy.analysis import Surface
 from fuzzy.finding import Finding
@@ -55,6 +56,12 @@ class Uploaded(msgspec.Struct, frozen=True):
 
 class Imported(msgspec.Struct, frozen=True):
     """The uploaded document takes the place of the present one, which can be undone; it is in no file yet."""
+
+
+class Begun(msgspec.Struct, frozen=True):
+    """A new document takes the place of the present one, which can be undone; it is in no file yet."""
+
+    document: FuzzySystem
 
 
 class Saved(msgspec.Struct, frozen=True):
@@ -171,6 +178,7 @@ Event = (
     | Opened
     | Uploaded
     | Imported
+    | Begun
     | Saved
     | Recovered
     | Asked
@@ -187,4 +195,5 @@ Event = (
     | Advised
     | Progressed
     | Noticed
+    | StudyEvent
 )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from app.state.design import Design
 from app.state.setup import Setup
+from app.state.study import Study
 from app.storage import Stamp
 from fuzzy.analysis import Surface
 from fuzzy.finding import Finding
@@ -219,6 +220,7 @@ class AppState(msgspec.Struct, frozen=True, eq=False):
     setup: Setup = Setup()
     playback: Playback = Playback()
     runs: Runs = Runs()
+    study: Study = Study()
     findings: tuple[Finding, ...] = ()
     progress: str | None = "starting"
     notice: Notice | None = None

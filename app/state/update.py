@@ -6,11 +6,12 @@ from typing import assert_never
 
 import msgspec
 
-from app.state import kept
+from app.state import kept, study
 from app.state.design import after_edit, fitting, names_of, without_drafts
 from app.state.events import (
     Advised,
     Asked,
+    Begun,
     DesignChanged,
     Edit,
     Event,
@@ -36,6 +37,7 @@ from app.state.events import (
 )
 from app.state.model import AppState, Notice, Source, Step, Work
 from app.state.setup import changed
+from app.state.study import StudyCancelled, StudyChosen, StudyFinished, StudyOrdered, StudyProgressed
 from app.storage import Stamp
 from fuzzy import edits
 from fuzzy.errors import FuzzyError
@@ -84,6 +86,8 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
             return _replace(state, upload=event.upload, notice=None)
         case Imported():
             return _imported(state)
+        case Begun():
+            return _taken(state, event.document, f"new {event.document.name}", new_name="")
         case Saved():
             return _saved(state, event)
         case Recovered():
@@ -126,6 +130,9 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
             return _replace(state, progress=event.text)
         case Noticed():
             return _replace(state, notice=event.notice)
+        case StudyChosen() | StudyOrdered() | StudyCancelled() | StudyProgressed() | StudyFinished():
+            changed_study = study.after(state.study, event, state.document, state.setup)
+            return state if changed_study is state.study else _replace(state, study=changed_study)
         case _:
             assert_never(event)
 
@@ -197,10 +204,14 @@ def _imported(state: AppState) -> AppState:
     upload = state.upload
     if upload is None:
         return state
-    step = Step(state.document, f"import {upload.name}", source=state.source)
-    changed = _changed(state, upload.document, (*state.past, step), ())
-    stem = upload.name.rpartition(".")[0]
-    return _replace(changed, source=Source(None), upload=None, new_name=stem, notice=None)
+    return _taken(state, upload.document, f"import {upload.name}", new_name=upload.name.rpartition(".")[0])
+
+
+def _taken(state: AppState, document: FuzzySystem, label: str, new_name: str) -> AppState:
+    """Return the state with a document that is in no file yet."""
+    step = Step(state.document, label, source=state.source)
+    changed = _changed(state, document, (*state.past, step), ())
+    return _replace(changed, source=Source(None), upload=None, new_name=new_name, notice=None)
 
 
 def _jumped(state: AppState, steps: int) -> AppState:

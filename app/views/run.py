@@ -13,6 +13,7 @@ from app.views.export import ExportView
 from app.views.metrics import MetricsView
 from app.views.playback import PlaybackView
 from app.views.plots import PlotsView
+from app.views.robustness import RobustnessView
 from app.views.stage import StageView
 from app.views.why import WhyView
 
@@ -41,7 +42,9 @@ class RunPanels:
             plots = PlotsView(gui, store)
         with self.response.add_tab("Metrics", viser.Icon.LIST_NUMBERS):
             metrics = MetricsView(gui)
+            with gui.add_folder("Robustness", expand_by_default=False):
+                robustness = RobustnessView(gui, store)
         with self.response.add_tab("Why", viser.Icon.QUESTION_MARK):
             why = WhyView(gui, store)
-        self.views: tuple[Any, ...] = (self.playback, experiment, baselines, stage, plots, metrics, why)
+        self.views: tuple[Any, ...] = (self.playback, experiment, baselines, stage, plots, metrics, robustness, why)
         self.live_views: tuple[Any, ...] = (self.playback, plots, why)

@@ -12,7 +12,7 @@ from app.palette import BAD, GOOD, MUTED, css, term_color
 from app.runner import Frame
 from app.state import Advice, AppState, Edit
 from app.store import Shown, Store
-from app.widgets import coordinate_label, div, escape, number, on_input
+from app.widgets import coordinate_label, div, equation, escape, number, on_input
 from fuzzy.analysis import Contribution, Contributions, contributions, stepped
 from fuzzy.inference import Controller
 from fuzzy.language import format_expression
@@ -20,6 +20,9 @@ from fuzzy.system import FuzzySystem
 
 _PERIOD = 0.2
 """Least time between two pictures, s: faster than that nobody reads."""
+
+_NOTHING = 5e-4
+"""Output that reads as 0."""
 
 
 class WhyView:
@@ -87,14 +90,16 @@ def _moment_html(frame: Frame, controller: Controller, found: Contributions, coo
 def _sentence(frame: Frame, controller: Controller, found: Contributions, name: str) -> str:
     system = controller.system
     e, de = (variable.name for variable in system.inputs)
-    where = f"At t = {frame.t:.2f} s {name} has {escape(e)} = {number(float(frame.inputs[0]))}"
-    where = f"{where} and {escape(de)} = {number(float(frame.inputs[1]))}."
+    where = f"At t = {frame.t:.2f} s {name} has {equation(escape(e), float(frame.inputs[0]))}"
+    where = f"{where} and {equation(escape(de), float(frame.inputs[1]))}."
     if not found.rules:
-        return f"<div>{where} No rule fires: {escape(found.output)} = {number(found.value)} is the default.</div>"
+        return f"<div>{where} No rule fires: {equation(escape(found.output), found.value)} is the default.</div>"
     first = found.rules[0]
     reason = "weaker rules together" if first.rule is None else escape(_short(first.rule.antecedent))
-    does = "adds nothing" if abs(found.value) < 1e-9 else ("raises it" if found.value > 0 else "lowers it")
-    what = f"<b>{escape(found.output)} = {number(found.value)}</b> {does}"
+    output = equation(escape(found.output), found.value)
+    if abs(found.value) < _NOTHING:
+        return f"<div>{where} <b>{output}</b>: the rules that fire add nothing.</div>"
+    what = f"<b>{output}</b> {'raises' if found.value > 0 else 'lowers'} it"
     return f"<div>{where} {what}, mostly because {reason} ({_signed(first.moved)}).</div>"
 
 

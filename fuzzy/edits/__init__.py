@@ -3,6 +3,7 @@
 Each returns a valid system or raises :class:`InvalidSystemError`; the system that was given stays as it is.
 """
 
+from fuzzy.edits.beginning import empty_table
 from fuzzy.edits.document import set_inference, set_name, set_notes
 from fuzzy.edits.grids import (
     Grid,
@@ -46,18 +47,30 @@ from fuzzy.edits.terms import (
     sides_that_open,
     toggle_open_side,
 )
-from fuzzy.edits.variables import rename_variable, set_no_fire, set_out_of_range, set_range, set_unit
+from fuzzy.edits.variables import (
+    add_input,
+    add_output,
+    remove_variable,
+    rename_variable,
+    set_no_fire,
+    set_out_of_range,
+    set_range,
+    set_unit,
+)
 
 __all__ = [
     "SIDES",
     "Grid",
     "MoveMode",
     "Side",
+    "add_input",
+    "add_output",
     "add_rule",
     "add_term",
     "clear_table",
     "default_grid",
     "dissolve_table",
+    "empty_table",
     "fill_diagonal",
     "fill_linear",
     "fill_piltan",
@@ -75,6 +88,7 @@ __all__ = [
     "move_term",
     "remove_rule",
     "remove_term",
+    "remove_variable",
     "rename_term",
     "rename_variable",
     "rule_table",

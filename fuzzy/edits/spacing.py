@@ -16,7 +16,7 @@ from fuzzy.shapes import Shape, Trapezoid, Triangle
 from fuzzy.system import FuzzySystem, Input, Is, RuleBase, RuleTable, Term, Variable
 from fuzzy.validation import MAX_NAME, MAX_TERMS
 
-_SCHEMES: dict[int, tuple[str, ...]] = {
+SCHEMES: dict[int, tuple[str, ...]] = {
     2: ("N", "P"),
     3: ("N", "Z", "P"),
     4: ("NB", "NS", "PS", "PB"),
@@ -62,7 +62,7 @@ def space_terms(system: FuzzySystem, variable: str, count: int, kind: str = "tri
         table = _followed_table(table, variable, sources, follower)
     listed = (mapped_rule(rule, followed) for rule in system.rules.list)
     rules = RuleBase(table, tuple(replace(r, consequents=tuple(dict.fromkeys(r.consequents))) for r in listed))
-    shapes = (converted(shape, kind) for shape in _evenly(found, count))
+    shapes = (converted(shape, kind) for shape in even_shapes(found, count))
     return changed(replace(system, rules=rules), found, terms=tuple(map(Term, renamed, shapes)))
 
 
@@ -109,7 +109,8 @@ def fresh_name(variable: Variable, wanted: str) -> str:
     return _fresh(wanted, {term.name for term in variable.terms})
 
 
-def _evenly(variable: Variable, count: int) -> list[Shape]:
+def even_shapes(variable: Variable, count: int) -> list[Shape]:
+    """Return triangles at equal distances over a variable's range, a partition; see :func:`space_terms`."""
     low, high = variable.low, variable.high
     if count == 1:
         return [Triangle(low, (low + high) / 2, high)]
@@ -136,8 +137,8 @@ def _nearest(number: int, count: int, others: int) -> int:
 
 def _names(old: list[str], nearest: list[str]) -> list[str]:
     """Return names for the new terms: those usual for their number if the old ones were, or those of the nearest."""
-    if tuple(old) == _SCHEMES.get(len(old)) and len(nearest) in _SCHEMES:
-        return list(_SCHEMES[len(nearest)])
+    if tuple(old) == SCHEMES.get(len(old)) and len(nearest) in SCHEMES:
+        return list(SCHEMES[len(nearest)])
     names: list[str] = []
     for name in nearest:
         names.append(_fresh(name, {*names, *(other for other in nearest if other != name)}))

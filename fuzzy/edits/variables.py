@@ -1,14 +1,100 @@
-"""Edits of a variable: its name, its range, its policies."""
+"""Edits of variables: their number, a variable's name, its range, its policies."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from msgspec.structs import replace
 
-from fuzzy import motion
+from fuzzy import conversion, motion
 from fuzzy.edits.access import changed, find, mapped_rule, path_of, replaced, variables_of
+from fuzzy.edits.spacing import SCHEMES, even_shapes
 from fuzzy.errors import InvalidSystemError
-from fuzzy.system import FuzzySystem, Input, Is, NoFire, OutOfRange, Output, RuleBase
+from fuzzy.rules import propositions
+from fuzzy.shapes import Linear
+from fuzzy.system import (
+    WEIGHTED_VALUES,
+    FuzzySystem,
+    Input,
+    Is,
+    NoFire,
+    OutOfRange,
+    Output,
+    RuleBase,
+    Term,
+    Variable,
+)
 from fuzzy.validation import validate
+
+
+def add_input(system: FuzzySystem, name: str) -> FuzzySystem:
+    """Add an input from -1 to 1 with three terms; no rule asks for it yet."""
+    _check_new(system, name)
+    bare = Input(name, -1.0, 1.0, ())
+    added = replace(bare, terms=_three_terms(bare))
+    outputs = (_with_coefficients(output, lambda c: (*c, 0.0)) for output in system.outputs)
+    return validate(replace(system, inputs=(*system.inputs, added), outputs=tuple(outputs)))
+
+
+def add_output(system: FuzzySystem, name: str) -> FuzzySystem:
+    """Add an output from -1 to 1 with three terms; no rule concludes about it yet."""
+    _check_new(system, name)
+    bare = Output(name, -1.0, 1.0, ())
+    terms = _three_terms(bare)
+    if system.inference.defuzzifier in WEIGHTED_VALUES:  # of these the terms are values
+        terms = tuple(replace(term, shape=conversion.converted(term.shape, "singleton")) for term in terms)
+    return validate(replace(system, outputs=(*system.outputs, replace(bare, terms=terms))))
+
+
+def remove_variable(system: FuzzySystem, variable: str) -> FuzzySystem:
+    """Remove an input or output; the rules that name it go with it.
+
+    A rule that concludes about other outputs, too, keeps those. A table goes with each of its variables.
+
+    Raises:
+        InvalidSystemError: There is no such variable, or it is the only input or output.
+    """
+    found = find(system, variable)
+    siblings = system.inputs if isinstance(found, Input) else system.outputs
+    if len(siblings) == 1:
+        kind = "input" if isinstance(found, Input) else "output"
+        raise InvalidSystemError(f"'{variable}' is the only {kind}: a system needs one", path_of(found))
+    table = system.rules.table
+    if table is not None and variable in (table.rows, table.columns, table.output):
+        table = None
+    kept = []
+    for rule in system.rules.list:
+        consequents = tuple(one for one in rule.consequents if one.variable != variable)
+        if consequents and variable not in {one.variable for one in propositions(rule.antecedent)}:
+            kept.append(replace(rule, consequents=consequents))
+    rules = RuleBase(table, tuple(kept))
+    if isinstance(found, Output):
+        outputs = tuple(output for output in system.outputs if output is not found)
+        return validate(replace(system, outputs=outputs, rules=rules))
+    number = system.inputs.index(found)
+    inputs = (*system.inputs[:number], *system.inputs[number + 1 :])
+    outputs = tuple(_with_coefficients(one, lambda c: (*c[:number], *c[number + 1 :])) for one in system.outputs)
+    return validate(replace(system, inputs=inputs, outputs=outputs, rules=rules))
+
+
+def _check_new(system: FuzzySystem, name: str) -> None:
+    if name in {entry.name for entry in variables_of(system)}:
+        raise InvalidSystemError(f"the name '{name}' is used already")
+
+
+def _three_terms(variable: Variable) -> tuple[Term, ...]:
+    return tuple(map(Term, SCHEMES[3], even_shapes(variable, 3)))
+
+
+def _with_coefficients(output: Output, change: Callable[[tuple[float, ...]], tuple[float, ...]]) -> Output:
+    """Return an output whose linear terms have other coefficients: one for each input."""
+    terms = tuple(
+        replace(term, shape=replace(term.shape, coefficients=change(term.shape.coefficients)))
+        if isinstance(term.shape, Linear)
+        else term
+        for term in output.terms
+    )
+    return replace(output, terms=terms)
 
 
 def rename_variable(system: FuzzySystem, variable: str, name: str) -> FuzzySystem:

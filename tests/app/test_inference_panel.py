@@ -97,19 +97,19 @@ def test_any_sampling_can_be_chosen(screen: Screen) -> None:
 
 
 def test_policies_of_every_variable(screen: Screen) -> None:
-    state = screen.send(screen.find("de beyond"), "reject")
+    state = screen.send(screen.find("de out of range"), "reject")
     assert [variable.out_of_range for variable in state.document.inputs] == ["clamp", "reject"]
-    state = screen.send(screen.find("T silent"), "hold")
+    state = screen.send(screen.find("T if no rule"), "hold")
     assert state.document.outputs[0].no_fire == NoFire("hold")
-    assert not screen.find("T is then").visible
-    screen.send(screen.find("T silent"), "default")
-    state = screen.send(screen.find("T is then"), 12.5)
+    assert not screen.find("T default").visible
+    screen.send(screen.find("T if no rule"), "default")
+    state = screen.send(screen.find("T default"), 12.5)
     assert state.document.outputs[0].no_fire == NoFire("default", 12.5)
-    state = screen.send(screen.find("T is then"), 86.0)
+    state = screen.send(screen.find("T default"), 86.0)
     assert state.document.outputs[0].no_fire == NoFire("default", 86.0)
-    assert has_error(screen.send(screen.find("T is then"), 1e13))
+    assert has_error(screen.send(screen.find("T default"), 1e13))
     screen.dispatch(Edit("rename", partial(edits.rename_variable, variable="de", name="rate")))
-    assert screen.find("rate beyond").value == "reject"
+    assert screen.find("rate out of range").value == "reject"
 
 
 def test_chosen_inputs_are_explained_step_by_step(screen: Screen) -> None:

@@ -178,12 +178,12 @@ def test_range_unit_and_name_of_a_variable(screen: Screen) -> None:
     state = screen.send(screen.find("unit"), "m")
     assert variable(state, "e").unit == "m"
     screen.send(screen.find("variable name"), "error")
-    renaming = next(h for h in screen.handles().values() if "rename the variable" in getattr(h, "options", ()))
-    state = screen.send(renaming, "rename the variable")
+    renaming = next(h for h in screen.handles().values() if "rename variable" in getattr(h, "options", ()))
+    state = screen.send(renaming, "rename variable")
     assert (state.variable, state.term, state.document.inputs[0].name) == ("error", "Z", "error")
     assert edits.rule_table(state.document).rows == "error"
     screen.send(screen.find("variable name"), "T")
-    assert "the name 'T' is used already" in refusal(screen.send(renaming, "rename the variable"))
+    assert "the name 'T' is used already" in refusal(screen.send(renaming, "rename variable"))
 
 
 def test_a_variable_gets_another_number_of_terms(screen: Screen) -> None:

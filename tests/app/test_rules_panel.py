@@ -154,9 +154,9 @@ def test_the_table_is_filled_from_gains(screen: Screen) -> None:
     gains = screen.find("Kp · Kd")
     assert gains.value == pytest.approx((85.0, 85 / 6))
     screen.open(edits.clear_table(DIAGONAL))
-    assert screen.send(screen.find("fill"), "PD").document == DIAGONAL
+    assert screen.send(screen.find("pattern"), "PD").document == DIAGONAL
     screen.send(gains, (0.0, 100.0))
-    state = screen.send(screen.find("fill"), "PD")
+    state = screen.send(screen.find("pattern"), "PD")
     assert set(edits.rule_table(state.document).cells) == {("LL", "LL", "LL", "Z", "LR", "LR", "LR")}
     for value in ((float("nan"), 1.0), (1.0, 1e300), (1.0,)):
         refused = screen.send(gains, value)

@@ -18,6 +18,7 @@ from app.state import (
     Advised,
     AppState,
     Asked,
+    Begun,
     Conflict,
     Design,
     DesignChanged,
@@ -50,6 +51,7 @@ from app.state import (
     initial,
     update,
 )
+from app.state.study import StudyCancelled, StudyChosen, StudyFinished, StudyOrdered, StudyProgressed
 from app.storage import Stamp
 from fuzzy import edits
 from fuzzy.errors import FuzzyError
@@ -271,6 +273,9 @@ any_events = st.one_of(
     st.builds(lambda document: Opened(document, "other.yaml", STAMP, ("other.yaml",)), documents),
     st.builds(lambda document: Uploaded(Upload("other.fis", document)), documents),
     st.builds(Imported),
+    st.builds(Begun, documents),
+    st.sampled_from([StudyOrdered(), StudyCancelled(), StudyChosen(50), StudyProgressed(1, 0.5)]),
+    st.just(StudyFinished(1, None)),
     st.builds(lambda document: Saved(document, "mine.yaml", STAMP, ("mine.yaml",)), documents),
     st.builds(lambda name: Selected({"variable": name}), strategies.names),
     st.builds(lambda name: Selected({"term": name}), strategies.names),
@@ -563,7 +568,8 @@ def test_every_event_is_handled():
     assert kinds == {
         *(Edit, Undo, Redo, JumpedTo, Opened, Uploaded, Imported, Saved, Selected, DesignChanged, SetupChanged),
         *(PlaybackChanged, ResetRequested, RunFinished, Progressed, Noticed, Recovered, Asked),
-        *(RunKept, KeptRenamed, KeptRemoved, Advised, SurfaceFound),
+        *(RunKept, KeptRenamed, KeptRemoved, Advised, SurfaceFound, Begun),
+        *(StudyChosen, StudyOrdered, StudyCancelled, StudyProgressed, StudyFinished),
     }
     with pytest.raises(AssertionError):
         update(initial(DIAGONAL), cast("Event", object()))

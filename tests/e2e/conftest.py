@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, expect, sync_playwright
 
 from tests.e2e.browser import MISSING, find_chromium
 from tests.e2e.harness import (
@@ -16,13 +16,20 @@ from tests.e2e.harness import (
     HIDE_SOFTWARE_RENDERER,
     LOAD_TIMEOUT_MS,
     ROOT,
+    TOUR_SEEN,
     Workbench,
+    look_at,
     running_workbench,
-    settle,
-    wait_until_ready,
 )
+from tests.e2e.panels import ANSWER_MS, choose_tab, photograph
 
-SHOTS = Path(__file__).parent / "shots"
+
+def new_context(browser: Browser) -> BrowserContext:
+    """Return a window of a usual size in a browser that has been here before."""
+    context = browser.new_context(viewport={"width": 1600, "height": 900}, accept_downloads=True)
+    context.add_init_script(HIDE_SOFTWARE_RENDERER + TOUR_SEEN)
+    context.set_default_timeout(ANSWER_MS)
+    return context
 
 
 @pytest.fixture
@@ -31,10 +38,11 @@ def rulebases(tmp_path: Path) -> Path:
     return Path(shutil.copytree(ROOT / "rulebases", tmp_path / "rulebases"))
 
 
-@pytest.fixture
-def workbench(rulebases: Path) -> Iterator[Workbench]:
-    """A workbench of this test's own."""
-    with running_workbench(rulebases) as started:
+@pytest.fixture(scope="package")
+def workbench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workbench]:
+    """The workbench that the tests share; every one starts from what it finds, and leaves it as it was."""
+    folder = Path(shutil.copytree(ROOT / "rulebases", tmp_path_factory.mktemp("workbench") / "rulebases"))
+    with running_workbench(folder) as started:
         yield started
 
 
@@ -50,43 +58,53 @@ def browser() -> Iterator[Browser]:
         launched.close()
 
 
+@pytest.fixture(scope="package")
+def complaints() -> list[str]:
+    """What the shared page complained about: exceptions, and errors on its console."""
+    return []
+
+
+@pytest.fixture(scope="package")
+def page(workbench: Workbench, browser: Browser, complaints: list[str]) -> Iterator[Page]:
+    """The page that the tests share, its first run finished."""
+
+    def hear(message: ConsoleMessage) -> None:
+        if message.type == "error":
+            complaints.append(message.text)
+
+    with contextlib.closing(new_context(browser)) as context:
+        context.on("console", hear)
+        context.on("weberror", lambda error: complaints.append(str(error.error)))
+        opened = look_at(context, workbench.url)
+        choose_tab(opened, "Metrics")
+        # A first start compiles the kernels.
+        expect(opened.locator("#overshoot-now")).to_have_count(1, timeout=2 * LOAD_TIMEOUT_MS)
+        yield opened
+
+
+@pytest.fixture
+def nothing_went_wrong(workbench: Workbench, page: Page, complaints: list[str]) -> Iterator[None]:
+    """Fail a test that made the shared page or workbench complain."""
+    assert page.url
+    yield
+    assert complaints == []
+    assert workbench.process.poll() is None
+    printed = workbench.log.read_text(errors="replace")
+    for word in ("Traceback", "left out", "refused", "never sends"):
+        assert word not in printed
+
+
 @pytest.fixture
 def new_page(browser: Browser) -> Iterator[Callable[[str], Page]]:
     """Return a function that opens an address in a window of its own and waits for the first elements."""
     with contextlib.ExitStack() as windows:
-
-        def open_page(url: str) -> Page:
-            context = windows.enter_context(
-                contextlib.closing(browser.new_context(viewport={"width": 1600, "height": 900}))
-            )
-            context.add_init_script(HIDE_SOFTWARE_RENDERER)
-            context.set_default_timeout(30_000)
-            page = context.new_page()
-            page.goto(url, wait_until="domcontentloaded", timeout=LOAD_TIMEOUT_MS)
-            wait_until_ready(page)
-            return page
-
-        yield open_page
-
-
-@pytest.fixture
-def page(workbench: Workbench, new_page: Callable[[str], Page]) -> Page:
-    """The page of this test's workbench, loaded."""
-    return new_page(workbench.url)
+        yield lambda url: look_at(windows.enter_context(contextlib.closing(new_context(browser))), url)
 
 
 @pytest.fixture
 def shot(page: Page) -> Callable[[str], Path]:
-    """Return a function that photographs the page into ``tests/e2e/shots`` and returns the picture's path."""
-
-    def take(name: str) -> Path:
-        SHOTS.mkdir(exist_ok=True)
-        path = SHOTS / f"{name}.png"
-        settle(page)
-        page.screenshot(path=path, timeout=LOAD_TIMEOUT_MS)
-        return path
-
-    return take
+    """Return a function that photographs the shared page into ``tests/e2e/shots``; see :func:`photograph`."""
+    return lambda name: photograph(page, name)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
@@ -14,7 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import BrowserContext, Page
 
 ROOT = Path(__file__).parents[2]
 LOAD_TIMEOUT_MS = 60_000
@@ -38,6 +39,9 @@ for (const context of [WebGLRenderingContext, WebGL2RenderingContext]) {
 }
 """
 """Keeps viser's notice about software rendering out of the pictures."""
+
+TOUR_SEEN = 'try { localStorage.setItem("fuzzy-workbench-tour", "seen"); } catch { /* a blank page has none */ }'
+"""Makes a browser one that has been here before: the tour does not begin by itself."""
 
 
 class Workbench(NamedTuple):
@@ -63,10 +67,16 @@ def free_port() -> int:
 
 
 @contextlib.contextmanager
-def running_workbench(folder: Path, *options: str) -> Iterator[Workbench]:
-    """Start the workbench on ``folder``/diagonal.yaml, wait until its page is served, and end it at the end."""
-    port = free_port()
-    log = folder.parent / f"workbench-{port}.log"
+def running_workbench(folder: Path, *options: str, port: int | None = None) -> Iterator[Workbench]:
+    """Start the workbench on ``folder``/diagonal.yaml, wait until its page is served, and end it at the end.
+
+    Args:
+        folder: Of rule bases; beside it stands the log.
+        options: For the command line.
+        port: Where it listens; by default where nobody does.
+    """
+    port = port or free_port()
+    log = folder.parent / f"workbench-{port}-{time.time_ns()}.log"
     command = [sys.executable, "-m", "app", "serve", str(folder / "diagonal.yaml"), "--port", str(port), *options]
     with log.open("wb") as output:
         process = subprocess.Popen(
@@ -115,6 +125,14 @@ def _end(process: subprocess.Popen[bytes]) -> None:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+
+
+def look_at(context: BrowserContext, url: str) -> Page:
+    """Open an address in a window and wait until the workbench is there."""
+    page = context.new_page()
+    page.goto(url, wait_until="domcontentloaded", timeout=LOAD_TIMEOUT_MS)
+    wait_until_ready(page)
+    return page
 
 
 def wait_until_ready(page: Page) -> None:

@@ -5,16 +5,39 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.e2e.harness import settle
+from tests.e2e.harness import LOAD_TIMEOUT_MS, settle
 
 ANSWER_MS = 20_000
 """How long a busy machine may take for what takes a tenth of a second."""
 
 Metrics = dict[str, str]
+
+
+SHOTS = Path(__file__).parent / "shots"
+
+
+def photograph(page: Page, name: str) -> Path:
+    """Photograph a page into ``tests/e2e/shots`` and return the picture's path."""
+    SHOTS.mkdir(exist_ok=True)
+    path = SHOTS / f"{name}.png"
+    settle(page)
+    page.screenshot(path=path, timeout=LOAD_TIMEOUT_MS)
+    return path
+
+
+def press(page: Page, name: str) -> None:
+    """Click the first button of a name that can be seen."""
+    page.get_by_role("button", name=name, exact=True).locator("visible=true").first.click()
+
+
+def fold(page: Page, title: str) -> None:
+    """Open or close a folder of the panel Run, or of Metrics."""
+    page.get_by_text(title, exact=True).first.click()
 
 
 def choose_tab(page: Page, name: str) -> None:

@@ -1,75 +1,19 @@
-"""The panels on the right and the scene in a real Chromium: baselines, why, files, tiles, a pull, several browsers."""
+"""The panels on the right and the scene in a real Chromium: baselines, why, files, tiles."""
 
 from __future__ import annotations
 
 import re
-import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from playwright.sync_api import Page, expect
 
-from tests.e2e.harness import (
-    HIDE_SOFTWARE_RENDERER,
-    LOAD_TIMEOUT_MS,
-    ROOT,
-    Workbench,
-    running_workbench,
-    settle,
-    wait_until_ready,
-)
-from tests.e2e.panels import ANSWER_MS, choose, choose_tab, column, put_arm_at, restored, simulated_time, until
+from tests.e2e.harness import settle
+from tests.e2e.panels import choose, choose_tab, column, fold, press, put_arm_at, restored, simulated_time, until
 
-
-@pytest.fixture(scope="module")
-def workbench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workbench]:
-    folder = Path(shutil.copytree(ROOT / "rulebases", tmp_path_factory.mktemp("run") / "rulebases"))
-    with running_workbench(folder) as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def context(browser: Browser) -> Iterator[BrowserContext]:
-    opened = browser.new_context(viewport={"width": 1600, "height": 900}, accept_downloads=True)
-    opened.add_init_script(HIDE_SOFTWARE_RENDERER)
-    opened.set_default_timeout(ANSWER_MS)
-    yield opened
-    opened.close()
-
-
-@pytest.fixture(scope="module")
-def page(workbench: Workbench, context: BrowserContext) -> Page:
-    opened = look_at(context, workbench.url)
-    choose_tab(opened, "Metrics")
-    expect(opened.locator("#overshoot-now")).to_have_count(1, timeout=2 * LOAD_TIMEOUT_MS)
-    return opened
-
-
-@pytest.fixture(autouse=True)
-def nothing_went_wrong(workbench: Workbench, page: Page) -> Iterator[None]:
-    yield
-    assert page.url
-    printed = workbench.log.read_text(errors="replace")
-    assert "Traceback" not in printed
-    assert "left out" not in printed
-
-
-def look_at(context: BrowserContext, url: str) -> Page:
-    page = context.new_page()
-    page.goto(url, wait_until="domcontentloaded", timeout=LOAD_TIMEOUT_MS)
-    wait_until_ready(page)
-    return page
-
-
-def fold(page: Page, title: str) -> None:
-    """Open or close a folder of the panel Run."""
-    page.get_by_text(title, exact=True).first.click()
-
-
-def press(page: Page, name: str) -> None:
-    page.get_by_role("button", name=name, exact=True).locator("visible=true").first.click()
+pytestmark = pytest.mark.usefixtures("nothing_went_wrong")
 
 
 def canvas_middle(page: Page) -> tuple[float, float]:
@@ -168,24 +112,3 @@ def test_a_run_is_downloaded_as_csv_and_as_a_page_that_plays(page: Page, tmp_pat
     waiting.value.save_as(replay)
     assert replay.stat().st_size > 500_000
     fold(page, "Save")
-
-
-def test_two_browsers_see_one_document_and_one_arm(workbench: Workbench, page: Page, context: BrowserContext) -> None:
-    other = look_at(context, workbench.url)
-    choose_tab(page, "Rules")
-    page.locator("#brush6").click()
-    page.locator("#cell0-0").click()
-    for one in (page, other):
-        expect(one.locator("#cell0-0")).to_have_text("LR")
-    other.locator("#cell0-1").click()
-    for one in (page, other):
-        expect(one.locator("#cell0-1")).to_have_text("LR")
-    other.keyboard.press("Control+z")
-    page.keyboard.press("Control+z")
-    for one in (page, other):
-        expect(one.locator("#cell0-0")).to_have_text("LL")
-        expect(one.locator("#cell0-1")).to_have_text("LL")
-    before = simulated_time(other)
-    until(lambda: {"t": f"{simulated_time(other)}"}, lambda t: float(t["t"]) != before, "the arm to move there too")
-    other.close()
-    until(lambda: {"t": f"{simulated_time(page)}"}, lambda t: float(t["t"]) != before, "the arm to move on here")

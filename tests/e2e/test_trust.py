@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import urllib.parse
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from fuzzy import edits
 from fuzzy.formats import load, save
 from fuzzy.system import RuleTable
 from tests.e2e.harness import ROOT, Workbench, running_workbench
+from tests.e2e.panels import photograph
 
 ANSWER_MS = 30_000
 IMAGE = '<img src=x onerror="window.taken=1">'
@@ -81,14 +83,14 @@ def test_hostile_names_and_a_killed_workbench(tmp_path: Path, new_page: Callable
         first.process.wait()
     assert table(first).cells[0][0] == IMAGE
 
-    with running_workbench(folder) as second:
-        page = new_page(second.url)
-        page.set_default_timeout(ANSWER_MS)
+    # The page tries again by itself until there is a workbench under its address.
+    with running_workbench(folder, port=urllib.parse.urlsplit(first.url).port) as second:
         expect(page.get_by_text("Unsaved work was found")).to_be_visible()
         page.get_by_role("button", name="Recover it").click()
         expect(page.get_by_text("Unsaved work was found")).to_have_count(0)
-        cell = page.locator("#cell0-0")
         expect(cell).to_have_text(term)
+        page.wait_for_function("window.fuzzyWorkbench")
+        photograph(page, "reconnected")
         page.keyboard.press("Control+z")
         expect(cell).to_have_text(IMAGE)
         page.keyboard.press("Control+Shift+Z")

@@ -1,30 +1,21 @@
 """The whole workbench in a real Chromium: what a hand does in the panels, the arm answers.
 
-One workbench and one page serve all tests of this file. Every test starts from what it finds and compares with that.
+One workbench and one page serve these tests and others. Every test starts from what it finds and compares with that.
 """
 
 from __future__ import annotations
 
 import re
-import shutil
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 from fuzzy.formats import load
 from fuzzy.system import RuleTable
-from tests.e2e.harness import (
-    HIDE_SOFTWARE_RENDERER,
-    LOAD_TIMEOUT_MS,
-    ROOT,
-    Workbench,
-    running_workbench,
-    settle,
-    wait_until_ready,
-)
+from tests.e2e.harness import Workbench, settle
 from tests.e2e.panels import (
     ANSWER_MS,
     changed,
@@ -39,52 +30,7 @@ from tests.e2e.panels import (
     wait_for_motion,
 )
 
-
-@pytest.fixture(scope="module")
-def workbench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workbench]:
-    folder = Path(shutil.copytree(ROOT / "rulebases", tmp_path_factory.mktemp("workbench") / "rulebases"))
-    with running_workbench(folder) as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def complaints() -> list[str]:
-    """What the page complained about: exceptions, and errors on its console."""
-    return []
-
-
-@pytest.fixture(scope="module")
-def page(workbench: Workbench, browser: Browser, complaints: list[str]) -> Iterator[Page]:
-    context = browser.new_context(viewport={"width": 1600, "height": 900})
-    context.add_init_script(HIDE_SOFTWARE_RENDERER)
-    context.set_default_timeout(ANSWER_MS)
-    opened = context.new_page()
-
-    def hear(message: ConsoleMessage) -> None:
-        if message.type == "error":
-            complaints.append(message.text)
-
-    opened.on("console", hear)
-    opened.on("pageerror", lambda error: complaints.append(str(error)))
-    opened.goto(workbench.url, wait_until="domcontentloaded", timeout=LOAD_TIMEOUT_MS)
-    wait_until_ready(opened)
-    choose_tab(opened, "Metrics")
-    # A first start compiles the kernels.
-    expect(opened.locator("#overshoot-now")).to_have_count(1, timeout=2 * LOAD_TIMEOUT_MS)
-    yield opened
-    context.close()
-
-
-@pytest.fixture(autouse=True)
-def nothing_went_wrong(workbench: Workbench, page: Page, complaints: list[str]) -> Iterator[None]:
-    yield
-    assert complaints == []
-    assert workbench.process.poll() is None
-    printed = workbench.log.read_text(errors="replace")
-    assert "Traceback" not in printed
-    assert "left out" not in printed
-    assert "refused" not in printed
-    assert "never sends" not in printed
+pytestmark = pytest.mark.usefixtures("nothing_went_wrong")
 
 
 def table_on_disk(workbench: Workbench) -> RuleTable:

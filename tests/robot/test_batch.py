@@ -14,7 +14,7 @@ from robot.batch import batch_simulate
 from robot.controllers import PdFlc, Pid
 from robot.disturbance import BandLimitedNoise
 from robot.errors import RobotError
-from robot.experiments import random_arms
+from robot.robustness import random_arms
 from robot.scenario import Scenario
 from robot.simulation import simulate
 from tests.robot.test_simulation import CONTROLLER, SOFT, STEP, law
@@ -24,7 +24,7 @@ SHORT = msgspec.structs.replace(STEP, duration=1.1)
 
 @pytest.mark.parametrize("name", ["pid", "fuzzy_flc", "adaptive_fuzzy_flc"])
 def test_a_batch_has_the_figures_of_its_single_runs(name: str) -> None:
-    arms = random_arms(5, seed=3)
+    arms = random_arms(SOFT, 5, seed=3)
     scenarios = [msgspec.structs.replace(SHORT, disturbance=BandLimitedNoise(0.1, 0.01, seed)) for seed in range(5)]
     controller = experiments.law(name, CONTROLLER)
     batch = batch_simulate(arms, controller, scenarios)
@@ -42,7 +42,7 @@ def test_a_batch_has_the_figures_of_its_single_runs(name: str) -> None:
 
 
 def test_the_number_of_threads_does_not_matter_and_progress_is_told() -> None:
-    arms = random_arms(30, seed=1)
+    arms = random_arms(SOFT, 30, seed=1)
     told: list[int] = []
     one = batch_simulate(arms, law("pid"), SHORT, workers=1)
     many = batch_simulate(arms, law("pid"), SHORT, workers=3, progress=told.append)
@@ -78,8 +78,8 @@ def test_a_run_that_does_not_fit_ends_the_batch() -> None:
 
 
 def test_random_arms_are_within_their_spread_and_repeat() -> None:
-    arms = random_arms(50, 0.3, seed=9)
-    assert arms == random_arms(50, 0.3, seed=9)
+    arms = random_arms(SOFT, 50, 0.3, seed=9)
+    assert arms == random_arms(SOFT, 50, 0.3, seed=9)
     assert len(set(arms)) == 50
     ratio = np.array([arm.mass for arm in arms]) / np.array(SOFT.mass)
     assert ratio.min() >= 0.7

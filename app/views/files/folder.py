@@ -11,7 +11,7 @@ import viser
 from app import clean
 from app.filing import Filing
 from app.palette import BAD
-from app.state import AppState, Edit, Event, Selected
+from app.state import AppState, Begun, Edit, Event, Selected
 from app.store import Shown, Store, View
 from app.views.files.exchange import ExchangeView, file_stem
 from app.views.files.history import HistoryView
@@ -20,6 +20,8 @@ from fuzzy import edits
 
 _MOST_NOTES = 20_000
 _ACTIONS = ("save", "duplicate", "reload")
+_NEW = {f"{count} × {count}": count for count in (3, 5, 7, 9)}
+"""Empty tables to begin with, and how many terms their variables have."""
 
 
 class FilesView:
@@ -35,6 +37,9 @@ class FilesView:
         self._current = gui.add_html("")
         self._file: Any = gui.add_dropdown("open", ("",), hint="Opens at once; undo brings back what was open before.")
         actions = gui.add_button_group("file", _ACTIONS)
+        new = gui.add_button_group(
+            "new", tuple(_NEW), hint="An empty table T(e, de) with so many terms; undo goes back"
+        )
         self._name = gui.add_text("new name", "")
         save_as = gui.add_button("Save under the new name", icon=viser.Icon.DEVICE_FLOPPY)
         exchange = ExchangeView(gui, store)
@@ -43,6 +48,7 @@ class FilesView:
         self.views: tuple[View, ...] = (self, exchange, HistoryView(gui, store))
         on_input(self._file, store.dispatch, self._open)
         on_input(actions, store.dispatch, self._act)
+        on_input(new, store.dispatch, _begun)
         on_input(self._name, store.dispatch, lambda name: Selected({"new_name": clean.text(name, clean.MAX_NAME)}))
         on_input(save_as, store.dispatch, lambda _: self._save_as())
         on_input(self._title, store.dispatch, _titled)
@@ -86,6 +92,10 @@ def _free_name(stem: str, taken: tuple[str, ...]) -> str:
     """Return a name for a copy that no file has."""
     names = (f"{stem[: clean.MAX_NAME - 16]}-copy{number}.yaml" for number in ("", *range(2, len(taken) + 3)))
     return next(name for name in names if name not in taken)
+
+
+def _begun(value: object) -> Begun:
+    return Begun(edits.empty_table(_NEW[clean.choice(value, _NEW, "the size")]))
 
 
 def _titled(value: object) -> Edit:

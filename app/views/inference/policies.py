@@ -11,7 +11,7 @@ from app import clean
 from app.numbers import MOST_VALUE
 from app.state import AppState, Edit
 from app.store import Shown, Store
-from app.widgets import on_input
+from app.widgets import aligned_html, on_input
 from fuzzy import edits
 from fuzzy.system import Input, NoFire, NoFirePolicy, OutOfRange, Output
 
@@ -24,6 +24,7 @@ class PoliciesView:
         self._store = store
         self._key: tuple[tuple[str, ...], ...] = ()
         self._place = gui.add_folder(None)
+        self._alignment = gui.add_html("")
         self._inputs: list[Any] = []
         self._outputs: list[tuple[Any, Any]] = []
 
@@ -51,16 +52,23 @@ class PoliciesView:
         inputs, outputs = self._key
         with self._place:
             self._inputs = [
-                self._gui.add_dropdown(f"{name} beyond", get_args(OutOfRange), hint="A value outside the range")
+                self._gui.add_dropdown(
+                    f"{name} out of range",
+                    get_args(OutOfRange),
+                    hint="clamp: as at the range's end; reject: no inference",
+                )
                 for name in inputs
             ]
             self._outputs = [
                 (
-                    self._gui.add_dropdown(f"{name} silent", get_args(NoFirePolicy), hint="When no rule fires"),
-                    self._gui.add_number(f"{name} is then", 0.0, step=0.001),
+                    self._gui.add_dropdown(
+                        f"{name} if no rule", get_args(NoFirePolicy), hint="What the output is when no rule fires"
+                    ),
+                    self._gui.add_number(f"{name} default", 0.0, step=0.001),
                 )
                 for name in outputs
             ]
+        self._alignment.content = aligned_html([*self._inputs, *(one for pair in self._outputs for one in pair)])
         for number, handle in enumerate(self._inputs):
             on_input(handle, self._store.dispatch, partial(self._range_edit, number))
         for number, (policy, value) in enumerate(self._outputs):

@@ -21,6 +21,10 @@ _SPACED = ("triangle", "trapezoid", "gaussian", "singleton")
 """Shapes of evenly spaced terms."""
 
 
+_CHANGES = _RENAME, _REMOVE = ("rename variable", "remove variable")
+_ADDITIONS = {"add input": edits.add_input, "add output": edits.add_output}
+
+
 class VariableView:
     """Editors of one variable."""
 
@@ -42,8 +46,11 @@ class VariableView:
         on_input(
             self._name, store.dispatch, lambda t: DesignChanged({"variable_name": clean.text(t, 4 * clean.MAX_NAME)})
         )
-        renaming = gui.add_button_group("", ("rename the variable",))
-        on_input(renaming, store.dispatch, lambda _: self._rename())
+        hint = "A removed variable's rules go with it; Ctrl+Z brings all back"
+        changes = gui.add_button_group("", _CHANGES, hint=hint)
+        on_input(changes, store.dispatch, self._change)
+        additions = gui.add_button_group("", tuple(_ADDITIONS), hint="Under the name above, or the first free one")
+        on_input(additions, store.dispatch, self._add)
 
     def shows(self, state: AppState) -> Shown:
         """Return the parts that are shown."""
@@ -92,6 +99,23 @@ class VariableView:
         count = len(variable.terms) if state.design.count is None else state.design.count
         change = partial(edits.space_terms, variable=variable.name, count=count, kind=kind)
         return Edit(f"{variable.name}: {count} even terms", change)
+
+    def _change(self, value: object) -> tuple[Event, ...]:
+        return self._rename() if clean.choice(value, _CHANGES, "the action") == _RENAME else self._remove()
+
+    def _remove(self) -> tuple[Event, ...]:
+        _, variable = self._present()
+        return (Edit(f"remove {variable.name}", partial(edits.remove_variable, variable=variable.name)),)
+
+    def _add(self, value: object) -> tuple[Event, ...]:
+        """Add a variable under the name that is written, or under the first free one where that is taken."""
+        state, variable = self._present()
+        label = clean.choice(value, _ADDITIONS, "the action")
+        taken = {entry.name for entry in (*state.document.inputs, *state.document.outputs)}
+        written = variable.name if state.design.variable_name is None else state.design.variable_name
+        free = next(name for name in (f"x{number}" for number in range(1, len(taken) + 2)) if name not in taken)
+        name = free if written in taken else clean.name(written, "the variable's name")
+        return Edit(f"{label} {name}", partial(_ADDITIONS[label], name=name)), Selected({"variable": name})
 
     def _rename(self) -> tuple[Event, ...]:
         state, variable = self._present()

@@ -53,7 +53,7 @@ class RulesView:
         self._brush = gui.add_html("")
         self._table = gui.add_html("")
         self._glow = gui.add_html("")
-        self._fill = gui.add_button_group("fill", (*_FILLS, _FROM_GAINS))
+        self._fill = gui.add_button_group("pattern", (*_FILLS, _FROM_GAINS))
         on_input(self._fill, store.dispatch, self._filled)
         self._gains = gui.add_vector2(
             _GAINS,

@@ -1,0 +1,159 @@
+"""The study of robustness in the page: progress, cancel, what is stale, and what fails is said."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app import guard, studies
+from app.state import AppState, Event, Noticed, SetupChanged, initial, update
+from app.state.study import (
+    Outcome,
+    StudyCancelled,
+    StudyChosen,
+    StudyFinished,
+    StudyOrdered,
+    StudyProgressed,
+)
+from app.studies import Studies
+from fuzzy import edits
+from fuzzy.formats import save
+from robot.robustness import Spread
+from tests.app.test_views import DIAGONAL, PILTAN, Screen
+
+
+def spread(*overshoots: float) -> Spread:
+    values = np.array(overshoots)
+    return Spread(values, values, values, values, np.isinf(values))
+
+
+def after(state: AppState, *events: Event) -> AppState:
+    for event in events:
+        state = update(state, event)
+    return state
+
+
+@pytest.fixture
+def posted() -> Iterator[tuple[Studies, queue.Queue[Event]]]:
+    events: queue.Queue[Event] = queue.Queue()
+    running = Studies(events.put)
+    yield running, events
+    running.stop()
+
+
+def wait_for(events: queue.Queue[Event], kind: type[Event]) -> Event:
+    while not isinstance(event := events.get(timeout=60), kind):
+        pass
+    return event
+
+
+def test_the_outcome_comes_with_progress_and_both_laws(
+    posted: tuple[Studies, queue.Queue[Event]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    running, events = posted
+    monkeypatch.setattr(studies, "_TELL_SECONDS", 0.0)
+    state = after(initial(DIAGONAL), SetupChanged({"duration": 0.6}), StudyChosen(6), StudyOrdered())
+    running.render(state)
+    shares = []
+    while not isinstance(event := events.get(timeout=60), StudyFinished):
+        assert isinstance(event, StudyProgressed)
+        shares.append(event.done)
+    assert shares == sorted(shares)
+    assert 0.0 < shares[0] < shares[-1] == 1.0
+    state = update(state, event)
+    outcome = state.study.outcome
+    assert outcome is not None
+    assert (len(outcome.law.overshoot), len(outcome.pid.overshoot)) == (6, 6)
+    assert not np.array_equal(outcome.law.overshoot, outcome.pid.overshoot)
+    assert state.study.order is None
+
+
+def test_a_cancelled_study_ends_soon_and_posts_no_result(
+    posted: tuple[Studies, queue.Queue[Event]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    running, events = posted
+    begun, go_on = threading.Event(), threading.Event()
+
+    def endless(arms: object, law: object, scenario: object, *, progress: Callable[[int], None], workers: int) -> None:
+        assert workers >= 1
+        while True:
+            begun.set()
+            assert go_on.wait(timeout=60)
+            progress(1)
+
+    monkeypatch.setattr(studies, "study", endless)
+    state = after(initial(DIAGONAL), StudyOrdered())
+    running.render(state)
+    assert begun.wait(timeout=60)
+    running.render(update(state, StudyCancelled()))
+    go_on.set()
+    thread = running._thread
+    assert thread is not None
+    thread.join(timeout=60)
+    assert not thread.is_alive()
+    assert events.empty()
+
+
+def test_what_cannot_be_studied_is_said_and_the_next_order_works(posted: tuple[Studies, queue.Queue[Event]]) -> None:
+    running, events = posted
+    three = edits.add_input(DIAGONAL, "x")
+    state = after(initial(three), StudyChosen(2), StudyOrdered())
+    running.render(state)
+    said = wait_for(events, Noticed)
+    assert isinstance(said, Noticed)
+    assert said.notice is not None
+    assert said.notice.text.startswith("Cannot study this: ")
+    state = update(state, wait_for(events, StudyFinished))
+    assert (state.study.order, state.study.outcome) == (None, None)
+    again = after(initial(DIAGONAL), SetupChanged({"duration": 0.5}), StudyChosen(2), StudyOrdered(), StudyOrdered())
+    running.render(again)
+    finished = wait_for(events, StudyFinished)
+    assert isinstance(finished, StudyFinished)
+    assert finished.outcome is not None
+
+
+def test_what_comes_from_an_order_that_was_given_up_changes_nothing() -> None:
+    state = after(initial(DIAGONAL), StudyOrdered(), StudyProgressed(1, 0.5))
+    assert state.study.done == 0.5
+    order = state.study.order
+    assert order is not None
+    late = StudyFinished(1, Outcome(order, spread(1.0), spread(2.0)))
+    for given_up in (update(state, StudyCancelled()), update(state, StudyOrdered())):
+        assert after(given_up, late, StudyProgressed(1, 0.9)).study is given_up.study
+    assert update(state, late).study.outcome is late.outcome
+    failed = after(state, late, StudyOrdered(), StudyFinished(2, None))
+    assert failed.study.outcome is late.outcome, "what was found before stays"
+
+
+def test_the_page_shows_progress_then_figures_and_says_when_they_are_stale(tmp_path: Path) -> None:
+    save(DIAGONAL, tmp_path / "mine.yaml")
+    server = guard.start_server(port=0)
+    try:
+        screen = Screen(server, tmp_path, DIAGONAL)
+        start, cancel = screen.find("Study robustness"), screen.find("Cancel the study")
+        assert screen.send(screen.find("arms"), "50").study.plants == 50
+        assert screen.send(screen.find("arms"), "5000000").study.plants == 50
+        state = screen.send(start, True)
+        assert (start.visible, cancel.visible) == (False, True)
+        state = screen.send(cancel, True)
+        assert state.study.order is None
+        assert (start.visible, cancel.visible) == (True, False)
+
+        order = screen.send(start, True).study.order
+        assert order is not None
+        screen.dispatch(StudyFinished(order.number, Outcome(order, spread(1.0, 2.5), spread(3.0, float("inf")))))
+        shown = screen.html()
+        assert "2.5" in shown
+        assert "never" in shown
+        assert "study again" not in shown
+        screen.open(PILTAN)
+        assert "study again" in screen.html()
+        screen.open(DIAGONAL)
+        assert "study again" not in screen.html()
+    finally:
+        server.stop()
