@@ -97,13 +97,13 @@ function help() {
     for (const [name, meaning] of rows) {
       const head = element("th", "text-align:left;vertical-align:top;font-weight:600;padding:2px 12px 2px 0", name);
       head.style.width = "10.5em";
-      table.append(element("tr", "", "", head, element("td", "padding:2px 0;color:#b9c0c9", meaning)));
+      table.append(element("tr", "", "", head, element("td", "padding:2px 0;vertical-align:top;color:#b9c0c9", meaning)));
     }
     return element("section", "", "", element("h3", "font-size:15px;margin:12px 0 4px;color:#7fb0ff", title), table);
   };
   const columns = element("div", "display:grid;grid-template-columns:repeat(auto-fit,minmax(300px,1fr));gap:0 32px");
-  const left = element("div", "", "", section("Keys", content.keys));
-  columns.append(left, element("div", "", "", section("Mouse", content.gestures), section("Panels", content.panels)));
+  const left = element("div", "", "", section("Keys", content.keys), section("Mouse", content.gestures));
+  columns.append(left, element("div", "", "", section("Panels", content.panels)));
   const close = () => helpWindow?.close();
   const tour = button("Show the tour", () => (close(), startTour()));
   const done = button("Close", close, "background:#2f6fd6;border-color:#2f6fd6");

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import viser
 
-from app.palette import BAD, MUTED, PID, RUN
+from app.palette import BAD, GRID, MUTED, PID, RUN
 from app.state import AppState
-from app.state.study import PLANTS, Outcome, StudyCancelled, StudyChosen, StudyOrdered
+from app.state.study import PLANTS, Outcome, Study, StudyCancelled, StudyChosen, StudyOrdered
 from app.store import Shown, Store
 from app.widgets import ChoiceGroup, div, escape, number, on_input
 from robot.robustness import SPREAD, Spread, histogram, percentile
@@ -36,7 +36,7 @@ class RobustnessView:
         self._plants = ChoiceGroup(gui, "arms", store.dispatch, lambda name: StudyChosen(int(name)))
         self._start = gui.add_button("Study robustness")
         self._cancel = gui.add_button("Cancel the study", visible=False, color="orange")
-        self._bar = gui.add_progress_bar(0.0, visible=False)
+        self._bar = gui.add_html("")
         self._found = gui.add_html("")
         on_input(self._start, store.dispatch, lambda _: StudyOrdered())
         on_input(self._cancel, store.dispatch, lambda _: StudyCancelled())
@@ -52,8 +52,8 @@ class RobustnessView:
         is_running = study.order is not None
         self._plants.show([str(count) for count in PLANTS], str(study.plants))
         self._start.visible = not is_running
-        self._cancel.visible = self._bar.visible = is_running
-        self._bar.value = 100.0 * study.done
+        self._cancel.visible = is_running
+        self._bar.content = _bar_html(study) if is_running else ""
         outcome = study.outcome
         if outcome is None:
             return
@@ -61,6 +61,12 @@ class RobustnessView:
         if self._shown is None or self._shown[0] is not outcome or self._shown[1] != shown[1]:
             self._shown = shown
             self._found.content = _outcome_html(*shown)
+
+
+def _bar_html(study: Study) -> str:
+    bar = f'<div style="width:{100.0 * study.done:.0f}%;height:8px;border-radius:4px;background:{RUN}"></div>'
+    track = f'<div style="background:{GRID};border-radius:4px">{bar}</div>'
+    return div(f"{track}{100.0 * study.done:.0f} % done, this controller first, then PID")
 
 
 def _outcome_html(outcome: Outcome, is_present: bool) -> str:

@@ -21,7 +21,7 @@ from app.runner import Frame, result_of
 from app.runner.frames import ghosts, row_at
 from app.scene.board import BoardView
 from app.scene.scene import Scene, look
-from app.scene.stage import CAMERAS, base_height, to_plane, to_scene
+from app.scene.stage import CAMERAS, NARROW, base_height, to_plane, to_scene
 from app.state import (
     LAYERS,
     AppState,
@@ -254,11 +254,21 @@ def test_the_ways_between_plane_and_scene_are_inverse() -> None:
 
 
 @pytest.mark.parametrize("name", CAMERAS)
-@pytest.mark.parametrize("aspect", [0.5, 1.0, 2.0])
-def test_a_camera_steps_back_in_a_narrow_window(name: str, aspect: float) -> None:
+@pytest.mark.parametrize("aspect", [0.46, 0.6, 0.9, 2.0])
+def test_a_camera_steps_back_in_a_narrow_window_and_lifts_the_scene_above_the_panels(name: str, aspect: float) -> None:
     camera = SimpleNamespace(aspect=aspect, position=None, look_at=None, up_direction=None)
     client: Any = SimpleNamespace(camera=camera, atomic=contextlib.nullcontext)
     look(client, name)
     position, target = (np.array(place) for place in CAMERAS[name])
-    distance = np.linalg.norm(np.array(camera.position) - target) / np.linalg.norm(position - target)
-    assert distance == pytest.approx(max(1.0, 1.0 / aspect))
+    at, middle = np.array(camera.position), np.array(camera.look_at)
+    if aspect >= NARROW:
+        assert (at == position).all()
+        assert (middle == target).all()
+        return
+    away, before = at - middle, position - target
+    assert away / np.linalg.norm(away) == pytest.approx(before / np.linalg.norm(before)), "it looks the same way"
+    assert np.linalg.norm(away) * aspect >= 0.75 * np.linalg.norm(before)
+    lift = target - middle
+    assert lift @ away == pytest.approx(0.0, abs=1e-12)
+    assert lift[2] > 0.0
+    assert 0.25 < np.linalg.norm(lift) / np.linalg.norm(away) < np.tan(np.radians(37.5)), "within the upper half"

@@ -121,9 +121,8 @@ class Screen:
 
     def find(self, label: str) -> Any:
         """Return the input with a label."""
-        labels = [(getattr(handle._impl.props, "label", None), handle) for handle in self.handles().values()]
-        found = [handle for name, handle in labels if name == label]
-        assert len(found) == 1, f"{label}: {[name for name, _ in labels]}"
+        found = [handle for handle in self.handles().values() if handle._impl.props.label == label]
+        assert len(found) == 1, f"{label}: {[handle._impl.props.label for handle in self.handles().values()]}"
         return found[0]
 
     def send(self, handle: Any, value: object) -> AppState:

@@ -104,6 +104,7 @@ def test_keys_work_in_a_dropdown_and_in_a_field_too(visitor: Page, page: Page, w
 
 def test_two_browsers_see_one_document_and_one_arm(visitor: Page, page: Page) -> None:
     other = visitor
+    choose_tab(other, "Rules")
     choose_tab(page, "Rules")
     page.locator("#brush6").click()
     page.locator("#cell0-0").click()

@@ -18,6 +18,7 @@ from fuzzy.language import parse_rule
 from fuzzy.rules import all_rules, propositions
 from fuzzy.shapes import Linear, Singleton
 from fuzzy.system import FuzzySystem, Input
+from fuzzy.validation import validate
 from tests import strategies
 
 DIAGONAL = load(Path(__file__).parents[2] / "rulebases" / "diagonal.yaml")
@@ -85,7 +86,7 @@ def test_the_rules_that_name_a_removed_variable_go_with_it(data: st.DataObject) 
 
 def test_a_table_goes_with_its_variable_and_a_listed_rule_keeps_its_other_consequent() -> None:
     system = edits.add_output(edits.add_input(DIAGONAL, "x"), "y")
-    rule = parse_rule("if e is NB then T is LL and y is P", system)
+    rule = parse_rule("if e is NB then T is LL, y is P", system)
     system = edits.add_rule(system, rule)
     without = edits.remove_variable(system, "T")
     assert without.rules.table is None
@@ -94,10 +95,10 @@ def test_a_table_goes_with_its_variable_and_a_listed_rule_keeps_its_other_conseq
 
 
 def test_linear_terms_keep_one_coefficient_for_each_input() -> None:
-    sugeno = edits.set_inference(DIAGONAL, defuzzifier="weighted_average")
-    output = sugeno.outputs[0]
+    output = DIAGONAL.outputs[0]
     terms = tuple(replace(term, shape=Linear((1.0, 2.0), 3.0)) for term in output.terms)
-    sugeno = replace(sugeno, outputs=(replace(output, terms=terms),))
+    inference = replace(DIAGONAL.inference, defuzzifier="weighted_average")
+    sugeno = validate(replace(DIAGONAL, outputs=(replace(output, terms=terms),), inference=inference))
     grown = edits.add_input(sugeno, "x")
     assert grown.outputs[0].terms[0].shape == Linear((1.0, 2.0, 0.0), 3.0)
     assert edits.remove_variable(grown, "e").outputs[0].terms[0].shape == Linear((2.0, 0.0), 3.0)
