@@ -26,6 +26,9 @@ from fuzzy.formats import save
 from robot.robustness import Spread
 from tests.app.test_views import DIAGONAL, PILTAN, Screen
 
+_PATIENCE = 300
+"""s: a first use compiles kernels."""
+
 
 def spread(*overshoots: float) -> Spread:
     values = np.array(overshoots)
@@ -47,7 +50,7 @@ def posted() -> Iterator[tuple[Studies, queue.Queue[Event]]]:
 
 
 def wait_for(events: queue.Queue[Event], kind: type[Event]) -> Event:
-    while not isinstance(event := events.get(timeout=60), kind):
+    while not isinstance(event := events.get(timeout=_PATIENCE), kind):
         pass
     return event
 
@@ -60,7 +63,7 @@ def test_the_outcome_comes_with_progress_and_both_laws(
     state = after(initial(DIAGONAL), SetupChanged({"duration": 0.6}), StudyChosen(6), StudyOrdered())
     running.render(state)
     shares = []
-    while not isinstance(event := events.get(timeout=60), StudyFinished):
+    while not isinstance(event := events.get(timeout=_PATIENCE), StudyFinished):
         assert isinstance(event, StudyProgressed)
         shares.append(event.done)
     assert shares == sorted(shares)
@@ -83,18 +86,18 @@ def test_a_cancelled_study_ends_soon_and_posts_no_result(
         assert workers >= 1
         while True:
             begun.set()
-            assert go_on.wait(timeout=60)
+            assert go_on.wait(timeout=_PATIENCE)
             progress(1)
 
     monkeypatch.setattr(studies, "study", endless)
     state = after(initial(DIAGONAL), StudyOrdered())
     running.render(state)
-    assert begun.wait(timeout=60)
+    assert begun.wait(timeout=_PATIENCE)
     running.render(update(state, StudyCancelled()))
     go_on.set()
     thread = running._thread
     assert thread is not None
-    thread.join(timeout=60)
+    thread.join(timeout=_PATIENCE)
     assert not thread.is_alive()
     assert events.empty()
 
