@@ -126,21 +126,39 @@ def _encoded(shape: Shape) -> tuple[int, tuple[float, float, float, float], tupl
 
 
 def _peak(shape: Shape) -> float:
-    """Return where the degree is largest, for sets whose turning point is none of their parameters; otherwise 0."""
+    """Return where a curve stops rising or falling; any of its places if it never does, or is no curve."""
     match shape:
+        case Gaussian(mean=place) | Concave(end=place):
+            return place
+        case Bell(center=place) | Sigmoid(center=place) | Cosine(center=place) | Spike(center=place):
+            return place
+        case SShape(b=place) | ZShape(a=place):
+            return place
+        case Gaussian2(left_mean=left, right_mean=right) if left <= right:
+            return left if math.isfinite(left) else right
+        case Gaussian2(left_mean=left, right_mean=right):  # both sides fall in between: the product is Gaussian there
+            left_share, right_share = shape.left_sigma**-2, shape.right_sigma**-2
+            return (left * left_share + right * right_share) / (left_share + right_share)
+        case PiShape(b=b, c=c) if b <= c:
+            return b
+        case PiShape():
+            return _searched_peak(shape, shape.c, shape.b)
         case SigmoidProduct() | SigmoidDifference():
             low, high = sorted((shape.left_center, shape.right_center))
             margin = max(8 / max(abs(slope), 1e-300) for slope in (shape.left_slope, shape.right_slope))
-            low, high = low - min(margin, 1e12), high + min(margin, 1e12)
-            best = low
-            for _ in range(12):  # the grid of 64 narrows by 32 in every step
-                grid = np.linspace(low, high, 65)
-                best = float(grid[int(np.argmax(degrees(Term("", shape), grid)))])
-                step = (high - low) / 64
-                low, high = best - step, best + step
-            return best
+            return _searched_peak(shape, low - min(margin, 1e12), high + min(margin, 1e12))
         case _:
             return 0.0
+
+
+def _searched_peak(shape: Shape, low: float, high: float) -> float:
+    best = low
+    for _ in range(12):  # the grid of 64 narrows by 32 in every step
+        grid = np.linspace(low, high, 65)
+        best = float(grid[int(np.argmax(degrees(Term("", shape), grid)))])
+        step = (high - low) / 64
+        low, high = best - step, best + step
+    return best
 
 
 def degrees(term: Term, x: ArrayLike) -> NDArray[np.float64]:

@@ -30,7 +30,7 @@ LINE = -1
 """(origin, run, offset, -): offset + (x - origin) / run, a piece of a piecewise-linear shape."""
 
 OFFSET, SCALE, PEAK = 4, 5, 6
-"""Columns behind the four parameters: the degree is offset + scale · the shape's; where a curve has its peak."""
+"""Columns behind the four parameters: the degree is offset + scale · the shape's; where a curve stops rising."""
 WIDTH = 8
 """Columns of a row of parameters."""
 

@@ -5,7 +5,7 @@ import math
 from fuzzy.kernels import pieces, sets
 from fuzzy.kernels.address import outputs_at, rules_at, workspace_at
 from fuzzy.kernels.jit import addressed_kernel, borrowing_kernel
-from fuzzy.kernels.quadrature import END, TOLERANCE, bends, integrate
+from fuzzy.kernels.quadrature import ACCOUNT, END, TOLERANCE, begin, bends, enter, finish
 
 _STEPS = 40
 _SEARCHED = 16
@@ -25,39 +25,37 @@ def bisector(address, output):
         address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
         output: Number of the output.
     """
+    outputs = outputs_at(address)
     scratch = workspace_at(address).scratch
     start = rules_at(address).member_start[output]
     end = start + workspace_at(address).member_count[output]
     scale = workspace_at(address).gain[output]
-    count = bends(address, output, start, end)
-    parts = scratch[count:]
-    rest = parts[count:]
+    account = scratch[:ACCOUNT]
+    points = scratch[ACCOUNT:]
+    count = bends(address, start, end, 1, outputs.range[output, 0], outputs.range[output, 1], points)
+    parts = points[count:]
     total = 0.0
     for i in range(count - 1):
-        rest[0] = scratch[i]
-        rest[1] = scratch[i + 1]
-        parts[i], _ = integrate(address, output, start, end, rest, 2)
+        parts[i] = _area(address, output, start, end, points[i], points[i + 1], account)
         total += parts[i]
     if not total > 0.0:
         return math.nan
     before = 0.0
     for i in range(count - 1):
         if before + parts[i] >= 0.5 * total * (1.0 - TOLERANCE):
-            left = scratch[i]
-            right = scratch[i + 1]
+            left = points[i]
+            right = points[i + 1]
             if before + parts[i] <= 0.5 * total * (1.0 + TOLERANCE):
                 # This interval ends at one half: what follows it may be a gap.
                 j = i + 1
                 while j < count - 2 and parts[j] == 0.0:
                     j += 1
-                return 0.5 * (right + scratch[j])
+                return 0.5 * (right + points[j])
             x = left + (right - left) * (0.5 * total - before) / parts[i]
             low = left
             high = right
             for _ in range(_STEPS):
-                rest[0] = left
-                rest[1] = x
-                found, _ = integrate(address, output, start, end, rest, 2)
+                found = _area(address, output, start, end, left, x, account)
                 error = before + found - 0.5 * total
                 if error > 0.0:
                     high = x
@@ -75,6 +73,15 @@ def bisector(address, output):
     return math.nan
 
 
+@borrowing_kernel
+def _area(address, output, start, end, a, b, account):
+    """Return the area of the aggregate of the members ``start`` to ``end`` over [a, b], where each is smooth."""
+    begin(account)
+    enter(address, output, start, end, 1, a, b, account)
+    area, _ = finish(address, output, account)
+    return area
+
+
 @addressed_kernel
 def maximum(address, output):
     """Return the mean, first, last, nearest to 0 or farthest from 0 of the places where the aggregated set is largest.
@@ -85,10 +92,11 @@ def maximum(address, output):
         address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
         output: Number of the output.
     """
+    outputs = outputs_at(address)
     scratch = workspace_at(address).scratch
     start = rules_at(address).member_start[output]
     end = start + workspace_at(address).member_count[output]
-    count = bends(address, output, start, end)
+    count = bends(address, start, end, 1, outputs.range[output, 0], outputs.range[output, 1], scratch)
     account = scratch[count : count + pieces.ACCOUNT]
     pieces.begin(account, pieces.TOP)
     for i in range(count - 1):
@@ -97,7 +105,7 @@ def maximum(address, output):
         if right <= left:
             continue
         _enter_top(address, output, start, end, left, right, account)
-    return pieces.top(account, outputs_at(address).maximum[0])
+    return pieces.top(account, outputs.maximum[0])
 
 
 @borrowing_kernel

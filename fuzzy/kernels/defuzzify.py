@@ -2,7 +2,7 @@
 
 import math
 
-from fuzzy.kernels import codes, curves, exact, linear, quadrature, sampled, sets, weighted
+from fuzzy.kernels import codes, curves, envelope, exact, linear, sampled, sets, weighted
 from fuzzy.kernels.address import at, call_at, defuzzifier_at, outputs_at, rules_at, workspace_at
 from fuzzy.kernels.jit import borrowing_kernel
 from fuzzy.kernels.norms import MAX, PRODUCT, SUM
@@ -11,7 +11,7 @@ DEFUZZIFIERS = {
     codes.CLIPPED: exact.clipped_centroid,
     codes.SEPARATE: exact.separate_centroid,
     codes.ENVELOPE: exact.envelope_centroid,
-    codes.QUADRATURE: quadrature.centroid,
+    codes.QUADRATURE: envelope.centroid,
     codes.SAMPLED: sampled.centroid,
     codes.WEIGHTED_AVERAGE: weighted.average,
     codes.WEIGHTED_SUM: weighted.total,

@@ -1,18 +1,19 @@
-"""Integrals and centroids of output sets of which some are curved, by adaptive Gauss-Kronrod quadrature.
+"""Integrals of output sets of which some are curved, by adaptive Gauss-Kronrod quadrature.
 
 Between the points where another member begins to lead the integrand is analytic, so that the rule converges at once;
 an interval is therefore divided where two members cross, rather than in the middle. Errors are judged by the area of
-the whole set, which may be tiny: where all rules fire weakly, or where the universe ends in a Gaussian's tail.
+the whole set, which may be tiny: where all rules fire weakly, or where the universe ends in a Gaussian's tail. So an
+interval whose error is not small by its own area waits until all others have been integrated.
 """
 
 import math
 
 import numpy as np
 
-from fuzzy.kernels import exact, membership, norms, sets
-from fuzzy.kernels.address import outputs_at, rules_at, workspace_at
-from fuzzy.kernels.jit import addressed_kernel, borrowing_kernel
-from fuzzy.kernels.norms import MAX, NILPOTENT_MINIMUM, SUM
+from fuzzy.kernels import exact, norms, places, sets
+from fuzzy.kernels.address import outputs_at, workspace_at
+from fuzzy.kernels.jit import borrowing_kernel
+from fuzzy.kernels.norms import MAX, NILPOTENT_MINIMUM
 
 TOLERANCE = 1e-10
 """Accepted difference of the two rules on an interval, as a share of the whole area; the finer one is far closer."""
@@ -20,11 +21,21 @@ TOLERANCE = 1e-10
 _NARROWEST = 1e-14
 """Width of an interval that is not divided further, as a share of the range."""
 
-_WAITING = 60
+_AREA, _MOMENT, _ESTIMATE, _COUNT = range(4)
+"""Places of an account: what has been integrated, an estimate of the whole area, how many intervals wait."""
+
+_FIRST = 4
+_WAITING = 8
+"""Where the waiting intervals begin, and the numbers kept of each: both ends, area, moment, error, and its members."""
+
+_ROOM = 64
+"""Intervals that may wait; what comes then is judged by the area that is known so far, which is more than is asked."""
+
+_PARTS = 60
 """Parts of an interval that may wait to be divided: each division halves one, or cuts it where members cross."""
 
-_PENDING = 6
-"""Numbers kept of an interval that may have to be divided: both ends, area, moment, error, where to divide it."""
+ACCOUNT = _FIRST + _WAITING * _ROOM + 2 * _PARTS
+"""Numbers that an account takes."""
 
 _CROSSING_STEPS = 40
 END = 1.0 - 2e-9
@@ -73,124 +84,130 @@ _GAUSS = np.array(
 _NODES = 2 * _NODE.size - 1
 
 
-@addressed_kernel
-def centroid(address, output):
-    """Return the centroid of the aggregate (paper eqs. (31), (32)) of the members' sets.
-
-    Args:
-        address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
-        output: Number of the output.
-    """
-    outputs = outputs_at(address)
-    scratch = workspace_at(address).scratch
-    start = rules_at(address).member_start[output]
-    end = start + workspace_at(address).member_count[output]
-    area = 0.0
-    moment = 0.0
-    if outputs.aggregation[0] == SUM:
-        for member in range(start, end):
-            count = bends(address, output, member, member + 1)
-            part, part_moment = integrate(address, output, member, member + 1, scratch, count)
-            area += part
-            moment += part_moment
-    else:
-        count = bends(address, output, start, end)
-        area, moment = integrate(address, output, start, end, scratch, count)
-    middle = 0.5 * (outputs.range[output, 0] + outputs.range[output, 1])
-    return middle + moment / area if area > 0.0 else math.nan
+@borrowing_kernel
+def begin(account):
+    """Begin an account of ``ACCOUNT`` numbers."""
+    account[:_FIRST] = 0.0
 
 
 @borrowing_kernel
-def integrate(address, output, start, end, scratch, count):
-    """Return area and moment, about the middle of the range, of the aggregate of the members ``start`` to ``end``.
+def enter(address, output, start, end, stride, a, b, account):
+    """Integrate the aggregate of every ``stride``-th of the members ``start`` to ``end`` on [a, b].
 
     Args:
         address: Of a compiled system and its workspace.
         output: Number of the output.
         start: First member.
         end: The member after the last one.
-        scratch: Its first ``count`` numbers are the places between which to integrate; what follows is used.
-        count: How many.
+        stride: 1 for all members between; the distance of two that are integrated without those between them.
+        a: Where the interval begins; all these members are smooth inside.
+        b: Where it ends; nothing is integrated if that is not behind ``a``.
+        account: Where to add the integral.
     """
-    outputs = outputs_at(address)
-    span = outputs.range[output, 1] - outputs.range[output, 0]
-    area = 0.0
-    moment = 0.0
-    estimate = 0.0
-    pending = count
-    for i in range(count - 1):
-        if scratch[i + 1] <= scratch[i]:
-            continue
-        part, part_moment, error, cut = _interval(address, output, start, end, scratch[i], scratch[i + 1])
-        estimate += part
-        if error <= TOLERANCE * part:
-            area += part
-            moment += part_moment
-        else:
-            scratch[pending] = scratch[i]
-            scratch[pending + 1] = scratch[i + 1]
-            scratch[pending + 2] = part
-            scratch[pending + 3] = part_moment
-            scratch[pending + 4] = error
-            scratch[pending + 5] = cut
-            pending += _PENDING
-    for p in range(count, pending, _PENDING):
-        if scratch[p + 4] <= TOLERANCE * estimate:
-            area += scratch[p + 2]
-            moment += scratch[p + 3]
-            continue
-        stack = scratch[pending:]
-        stack[0] = scratch[p]
-        stack[1] = scratch[p + 5]
-        stack[2] = scratch[p + 5]
-        stack[3] = scratch[p + 1]
-        waiting = 2
-        while waiting > 0:
-            waiting -= 1
-            a = stack[2 * waiting]
-            b = stack[2 * waiting + 1]
-            part, part_moment, error, cut = _interval(address, output, start, end, a, b)
-            if error <= TOLERANCE * estimate or b - a <= _NARROWEST * span or waiting + 2 > _WAITING:
-                area += part
-                moment += part_moment
-                continue
-            stack[2 * waiting + 1] = cut
-            stack[2 * waiting + 2] = cut
-            stack[2 * waiting + 3] = b
-            waiting += 2
-    return area, moment
+    if b <= a:
+        return
+    part, moment, error, _ = _interval(address, output, start, end, stride, a, b)
+    account[_ESTIMATE] += part
+    waiting = int(account[_COUNT])
+    if error <= TOLERANCE * part:
+        account[_AREA] += part
+        account[_MOMENT] += moment
+    elif waiting == _ROOM:
+        _divide(address, output, start, end, stride, a, b, account)
+    else:
+        kept = account[_FIRST + _WAITING * waiting :]
+        kept[0] = a
+        kept[1] = b
+        kept[2] = part
+        kept[3] = moment
+        kept[4] = error
+        kept[5] = start
+        kept[6] = end
+        kept[7] = stride
+        account[_COUNT] += 1
 
 
 @borrowing_kernel
-def bends(address, output, start, end):
-    """Write the points between which every member is smooth into ``scratch``, in ascending order; return how many."""
+def enter_level(address, output, degree, a, b, account):
+    """Integrate a constant degree over [a, b]."""
+    outputs = outputs_at(address)
+    area = degree * (b - a)
+    account[_AREA] += area
+    account[_ESTIMATE] += area
+    account[_MOMENT] += 0.5 * area * (a + b - outputs.range[output, 0] - outputs.range[output, 1])
+
+
+@borrowing_kernel
+def finish(address, output, account):
+    """Return area, and moment about the middle of the range, of all that has been entered."""
+    for n in range(int(account[_COUNT])):
+        kept = account[_FIRST + _WAITING * n :]
+        if kept[4] <= TOLERANCE * account[_ESTIMATE]:
+            account[_AREA] += kept[2]
+            account[_MOMENT] += kept[3]
+        else:
+            _divide(address, output, int(kept[5]), int(kept[6]), int(kept[7]), kept[0], kept[1], account)
+    return account[_AREA], account[_MOMENT]
+
+
+@borrowing_kernel
+def _divide(address, output, start, end, stride, a, b, account):
+    """Integrate over the parts of an interval, divided until the error of each is small."""
+    outputs = outputs_at(address)
+    span = outputs.range[output, 1] - outputs.range[output, 0]
+    stack = account[_FIRST + _WAITING * _ROOM :]
+    stack[0] = a
+    stack[1] = b
+    waiting = 1
+    while waiting > 0:
+        waiting -= 1
+        a = stack[2 * waiting]
+        b = stack[2 * waiting + 1]
+        part, moment, error, cut = _interval(address, output, start, end, stride, a, b)
+        is_enough = error <= TOLERANCE * account[_ESTIMATE]
+        if is_enough or b - a <= _NARROWEST * span or waiting + 2 > _PARTS:
+            account[_AREA] += part
+            account[_MOMENT] += moment
+            continue
+        stack[2 * waiting + 1] = cut
+        stack[2 * waiting + 2] = cut
+        stack[2 * waiting + 3] = b
+        waiting += 2
+
+
+@borrowing_kernel
+def bends(address, start, end, stride, low, high, points):
+    """Write the points between which every ``stride``-th member is smooth, ``low`` to ``high``; return how many."""
     outputs = outputs_at(address)
     workspace = workspace_at(address)
-    scratch = workspace.scratch
-    low = outputs.range[output, 0]
-    high = outputs.range[output, 1]
-    scratch[0] = low
-    scratch[1] = high
+    code = outputs.implication[0]
+    points[0] = low
+    points[1] = high
     count = 2
-    for member in range(start, end):
+    for member in range(start, end, stride):
         k = workspace.member[member]
-        level = norms.bend_level(outputs.implication[0], workspace.level[member])
-        found = membership.bends(outputs.shape[k], outputs.parameter[k], outputs.value, level, scratch, count)
-        if outputs.implication[0] == NILPOTENT_MINIMUM:
+        level = norms.bend_level(code, workspace.level[member])
+        found = places.bends(outputs.shape[k], outputs.parameter[k], outputs.value, level, points, count)
+        if code == NILPOTENT_MINIMUM:
             level = workspace.level[member]
-            found = membership.bends(outputs.shape[k], outputs.parameter[k], outputs.value, level, scratch, found)
-        kept = count
-        for i in range(count, found):
-            if low < scratch[i] < high:
-                scratch[kept] = scratch[i]
-                kept += 1
-        count = kept
-    exact.sort(scratch, count)
+            found = places.bends(outputs.shape[k], outputs.parameter[k], outputs.value, level, points, found)
+        count = within(low, high, points, count, found)
+    exact.sort(points, count)
     return count
 
 
 @borrowing_kernel
-def _leading(address, start, end, u, scale):
+def within(low, high, points, count, end):
+    """Keep of the points ``count`` to ``end`` those between ``low`` and ``high``; return the new count."""
+    for i in range(count, end):
+        if low < points[i] < high:
+            points[count] = points[i]
+            count += 1
+    return count
+
+
+@borrowing_kernel
+def _leading(address, start, end, stride, u, scale):
     """Return the largest degree at ``u``, the second largest, and the member that leads.
 
     Where the aggregation is not max, none leads: the aggregate, and no second.
@@ -200,7 +217,7 @@ def _leading(address, start, end, u, scale):
     best = 0.0
     second = 0.0
     leader = start
-    for member in range(start, end):
+    for member in range(start, end, stride):
         degree = sets.implied(address, member, u, scale)
         if degree > best:
             second = best
@@ -212,7 +229,7 @@ def _leading(address, start, end, u, scale):
 
 
 @borrowing_kernel
-def _interval(address, output, start, end, a, b):
+def _interval(address, output, start, end, stride, a, b):
     """Integrate the envelope of the members ``start`` to ``end`` over [a, b].
 
     Returns:
@@ -234,21 +251,22 @@ def _interval(address, output, start, end, a, b):
     u1 = u2 = a
     lead1 = lead2 = 0.0
     leader1 = -1
-    for n in range(_NODES):
+    skipped = int(end == start + 1)  # the outermost nodes tell who leads, no more
+    for n in range(skipped, _NODES - skipped):
         j = min(n, _NODES - 1 - n)
         step = half * (-_NODE[j] if n < _NODES // 2 else _NODE[j])
         u = centre + step
-        degree, second, leader = _leading(address, start, end, u, scale)
+        degree, second, leader = _leading(address, start, end, stride, u, scale)
         area += _KRONROD[j] * degree
         moment += _KRONROD[j] * degree * (offset + step)
         coarse_area += _GAUSS[j] * degree
         coarse_moment += _GAUSS[j] * degree * (offset + step)
         lead = degree - second
-        if n > 0 and leader != leader1 and not has_crossing:
+        if n > skipped and leader != leader1 and not has_crossing:
             has_crossing = True
-            cut = _crossing(address, leader1, leader, u1, u, scale)
+            cut = crossing(address, leader1, leader, u1, u, scale)
             lost = half * degree
-        elif n > 1 and lead1 < lead2 and lead1 < lead and not has_crossing:
+        elif n > skipped + 1 and lead1 < lead2 and lead1 < lead and not has_crossing:
             gap = 0.25 * max(lead2 - lead1, lead - lead1)
             if lead1 < gap and gap * (u - u2) > lost:
                 lost = gap * (u - u2)
@@ -266,7 +284,7 @@ def _interval(address, output, start, end, a, b):
 
 
 @borrowing_kernel
-def _crossing(address, first, second, left, right, scale):
+def crossing(address, first, second, left, right, scale):
     """Return where between ``left`` and ``right`` the second member overtakes the first, by the Illinois method."""
     before = sets.implied(address, second, left, scale) - sets.implied(address, first, left, scale)
     after = sets.implied(address, second, right, scale) - sets.implied(address, first, right, scale)
@@ -275,8 +293,8 @@ def _crossing(address, first, second, left, right, scale):
         if not after > before or right - left <= 1e-9 * width:
             break
         middle = left - before * (right - left) / (after - before)
-        if not left < middle < right:
-            break
+        if not left < middle < right:  # one end is nearer to the crossing than numbers can say
+            return min(max(middle, left), right)
         found = sets.implied(address, second, middle, scale) - sets.implied(address, first, middle, scale)
         if found <= 0.0:
             left = middle

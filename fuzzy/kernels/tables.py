@@ -122,7 +122,7 @@ def new_workspace(tables: Tables) -> Workspace:
     n_rules, n_consequents = rules.consequent_start.size - 1, rules.consequent_term.size
     n_terms = outputs.shape.size
     # Places where an envelope may bend within an interval, three for each pair of sets; or the lines of all members and
-    # their bends; or what a quadrature keeps of its intervals between all points where a member may bend.
+    # their bends; or a quadrature's account, with all points where a member may bend twice.
     n_points = int(outputs.parameter[outputs.shape == codes.POINTS, 1].max(initial=0.0))
     n_bends = 2 * (n_consequents + 1) * max(codes.MOST_BENDS, 2 * n_points)
     n_scratch = max(3 * (n_terms + 1) ** 2, 8 * (n_consequents + 8), 8 * (n_bends + 32))

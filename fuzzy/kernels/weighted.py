@@ -7,7 +7,7 @@ References:
 
 import math
 
-from fuzzy.kernels import codes, membership
+from fuzzy.kernels import codes, places
 from fuzzy.kernels.address import outputs_at, rules_at, workspace_at
 from fuzzy.kernels.jit import addressed_kernel, borrowing_kernel
 
@@ -26,7 +26,7 @@ def term_value(address, output, k, level):
     if outputs.shape[k] != codes.LINEAR:
         low = outputs.range[output, 0]
         high = outputs.range[output, 1]
-        return membership.inverse(outputs.shape[k], p, outputs.value, level, low, high)
+        return places.inverse(outputs.shape[k], p, outputs.value, level, low, high)
     clamped = workspace_at(address).clamped
     first = int(p[0])
     value = outputs.value[first + clamped.size]

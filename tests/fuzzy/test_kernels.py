@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 from fuzzy import geometry, sets, shapes
 from fuzzy.compiler import rules as compiled_rules
-from fuzzy.kernels import exact, norms, quadrature, sampled
+from fuzzy.kernels import codes, exact, norms, places, quadrature, sampled
 from fuzzy.kernels.jit import fix_types
 from fuzzy.system import SNorm, TNorm
-from tests import plain, reference, strategies
+from tests import generated, plain, reference, strategies
 
 DEGREES = st.floats(0.0, 1.0)
 SIXTY_FOURTHS = st.integers(0, 64).map(lambda n: n / 64)
@@ -138,6 +138,25 @@ def test_gauss_and_kronrod_rules_integrate_polynomials_exactly():
             wanted = 2 / (power + 1) if power % 2 == 0 else 0.0
             assert (weights * nodes**power).sum() == pytest.approx(wanted, abs=1e-15)
     assert quadrature._KRONROD[0] == quadrature._GAUSS[0] == 0.0
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_between_its_turns_a_set_rises_or_falls(seed):
+    # An envelope is followed by its sets' degrees at these places only.
+    (system,) = generated.systems(1, seed, curved=True, varied=True)
+    for output in system.outputs:
+        for term in output.terms:
+            encoded = sets.encode(term)
+            if encoded.code in (codes.SIGMOID_DIFFERENCE, codes.LINEAR):
+                continue
+            found = np.zeros(max(codes.MOST_BENDS, 2 * len(encoded.values)))
+            row, values = np.array(encoded.parameters), np.array(encoded.values)
+            count = places.turns(encoded.code, row, values, 0.3, found, 0)
+            inside = found[:count][(found[:count] > output.low) & (found[:count] < output.high)]
+            for left, right in itertools.pairwise([output.low, *np.unique(inside), output.high]):
+                inset = 1e-9 * (right - left)  # a set may jump at its turns
+                steps = np.diff(sets.degrees(term, np.linspace(left + inset, right - inset, 60)))
+                assert (steps >= -1e-14).all() or (steps <= 1e-14).all(), (term, left, right)
 
 
 def test_an_addressed_kernel_keeps_its_address():
