@@ -128,12 +128,28 @@ def _compile_list(
 ) -> tuple[Integers, Integers, Numbers]:
     """Return the antecedents of the listed rules, where each begins, and their weights."""
     known = _term_numbers(variables)
-    programs = [_program(rule.antecedent, known, f"rules.list[{number}]") for number, rule in enumerate(listed)]
+    inputs = sum(len(variable.terms) for variable in variables if isinstance(variable, Input))
+    programs = [
+        _joined_by_all(_program(rule.antecedent, known, f"rules.list[{number}]"), inputs)
+        for number, rule in enumerate(listed)
+    ]
     return (
         integers([word for program in programs for word in program]),
         starts(len(program) for program in programs),
         numbers([rule.weight for rule in listed]),
     )
+
+
+def _joined_by_all(program: list[int], inputs: int) -> list[int]:
+    """Return the quicker form of an antecedent that joins nothing but input terms by AND, others as they are.
+
+    Args:
+        program: In postfix order.
+        inputs: How many input terms there are: words from this number on are outputs' terms.
+    """
+    if all(word == codes.AND or 0 <= word < inputs for word in program):
+        return [*(word for word in program if word >= 0), codes.ALL]
+    return program
 
 
 def _program(expression: Expression, known: Names, path: str) -> list[int]:

@@ -84,6 +84,8 @@ HOLD = 1
 NOT = -1
 AND = -2
 OR = -3
-HEDGE = -4
-"""Operators in ``RuleTables.program``: ``HEDGE`` - n is the hedge of code n. A number from 0 on pushes the degree of
+ALL = -4
+HEDGE = -5
+"""Operators in ``RuleTables.program``: ``ALL`` joins everything before it by AND, and that is input terms only, so that
+no stack is needed; ``HEDGE`` - n is the hedge of code n. A number from 0 on pushes the degree of
 that input term, one from the number of input terms on how far an output term is activated by the rules before."""

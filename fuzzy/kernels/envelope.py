@@ -86,6 +86,7 @@ def _turns(address, output, start, end, points):
 @borrowing_kernel
 def _follow(address, output, start, end, account, rest):
     """Integrate the upper envelope of the members ``start`` to ``end`` over the whole range."""
+    _sort_by_level(address, start, end)
     count = _turns(address, output, start, end, rest)
     stack = rest[count : count + 2 * (_DEPTH + 2)]
     points = rest[count + 2 * (_DEPTH + 2) :]
@@ -113,16 +114,37 @@ def _follow(address, output, start, end, account, rest):
 
 
 @borrowing_kernel
+def _sort_by_level(address, start, end):
+    """Put the members of the highest levels first: by insertion, since they are few."""
+    member = workspace_at(address).member
+    level = workspace_at(address).level
+    for i in range(start + 1, end):
+        k = member[i]
+        highest = level[i]
+        j = i - 1
+        while j >= start and level[j] < highest:
+            member[j + 1] = member[j]
+            level[j + 1] = level[j]
+            j -= 1
+        member[j + 1] = k
+        level[j + 1] = highest
+
+
+@borrowing_kernel
 def _is_settled(address, output, start, end, a, b, account, points):
     """Integrate the envelope over an interval in which members rise or fall, if it is clear which of them lead."""
     scale = workspace_at(address).gain[output]
     inner = 0.5 * (1.0 - quadrature.END) * (b - a)  # at the ends themselves sets may jump
     left = a + inner
     right = b - inner
+    is_limited = outputs_at(address).implication[0] < norms.IMPLY_BOUNDED_SUM  # to the level, by a t-norm
     first = start
     second = -1
     floor = -1.0
     for n in range(start, end):
+        if is_limited and scale * workspace_at(address).level[n] <= floor:
+            end = n  # this one and all that follow stay below
+            break
         points[2 * (n - start)] = sets.implied(address, n, left, scale)
         points[2 * (n - start) + 1] = sets.implied(address, n, right, scale)
         least = min(points[2 * (n - start)], points[2 * (n - start) + 1])

@@ -17,8 +17,17 @@ def antecedent(address, listed, fired):
     rules = rules_at(address)
     workspace = workspace_at(address)
     stack = workspace.stack
+    first = rules.program_start[at(listed)]
+    last = rules.program_start[at(listed + 1)] - 1
+    if rules.program[at(last)] == codes.ALL:
+        degree = workspace.membership[at(rules.program[at(first)])]
+        for p in range(first + 1, last):
+            if degree == 0.0:
+                break
+            degree = norms.t_norm(rules.norms[0], degree, workspace.membership[at(rules.program[at(p)])])
+        return degree
     top = -1
-    for p in range(rules.program_start[listed], rules.program_start[listed + 1]):
+    for p in range(first, last + 1):
         word = rules.program[p]
         if word >= workspace.membership.size:
             top += 1

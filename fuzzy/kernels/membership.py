@@ -26,10 +26,10 @@ from fuzzy.kernels.codes import (
     SPIKE,
     TRAPEZOID,
 )
-from fuzzy.kernels.jit import borrowing_kernel
+from fuzzy.kernels.jit import borrowing_kernel, inlined_kernel
 
 
-@borrowing_kernel
+@inlined_kernel
 def degree(code: int, p: NDArray[np.float64], values: NDArray[np.float64], x: float) -> float:
     """Return the membership degree of ``x``.
 
@@ -48,7 +48,7 @@ def degree(code: int, p: NDArray[np.float64], values: NDArray[np.float64], x: fl
     return p[OFFSET] + p[SCALE] * shape_degree(code, p, values, x)
 
 
-@borrowing_kernel
+@inlined_kernel
 def shape_degree(code, p, values, x):
     """Return the degree of the shape alone, without height and complement; arguments as for ``degree``."""
     if code == TRAPEZOID:

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from fuzzy.kernels import exact, norms, places, sets
-from fuzzy.kernels.address import outputs_at, workspace_at
+from fuzzy.kernels.address import at, outputs_at, workspace_at
 from fuzzy.kernels.jit import borrowing_kernel
 from fuzzy.kernels.norms import MAX, NILPOTENT_MINIMUM
 
@@ -37,7 +37,9 @@ _PARTS = 60
 ACCOUNT = _FIRST + _WAITING * _ROOM + 2 * _PARTS
 """Numbers that an account takes."""
 
-_CROSSING_STEPS = 40
+_CROSSING = 1e-9
+"""Accepted error of a crossing, as a share of its interval: what it costs is of second order."""
+
 END = 1.0 - 2e-9
 """Place next to an interval's end, where only the leader is asked for: the ends themselves may lie on a jump."""
 
@@ -134,7 +136,7 @@ def enter_level(address, output, degree, a, b, account):
     area = degree * (b - a)
     account[_AREA] += area
     account[_ESTIMATE] += area
-    account[_MOMENT] += 0.5 * area * (a + b - outputs.range[output, 0] - outputs.range[output, 1])
+    account[_MOMENT] += 0.5 * area * (a + b - outputs.range[at(output), 0] - outputs.range[output, 1])
 
 
 @borrowing_kernel
@@ -154,7 +156,7 @@ def finish(address, output, account):
 def _divide(address, output, start, end, stride, a, b, account):
     """Integrate over the parts of an interval, divided until the error of each is small."""
     outputs = outputs_at(address)
-    span = outputs.range[output, 1] - outputs.range[output, 0]
+    span = outputs.range[at(output), 1] - outputs.range[output, 0]
     stack = account[_FIRST + _WAITING * _ROOM :]
     stack[0] = a
     stack[1] = b
@@ -237,9 +239,9 @@ def _interval(address, output, start, end, stride, a, b):
         so near to each other between two nodes that they may cross twice, the error is what may be lost by that.
     """
     outputs = outputs_at(address)
-    scale = workspace_at(address).gain[output]
-    low = outputs.range[output, 0]
-    high = outputs.range[output, 1]
+    scale = workspace_at(address).gain[at(output)]
+    low = outputs.range[at(output), 0]
+    high = outputs.range[at(output), 1]
     centre = 0.5 * (a + b)
     half = 0.5 * (b - a)
     offset = centre - 0.5 * (low + high)
@@ -254,13 +256,13 @@ def _interval(address, output, start, end, stride, a, b):
     skipped = int(end == start + 1)  # the outermost nodes tell who leads, no more
     for n in range(skipped, _NODES - skipped):
         j = min(n, _NODES - 1 - n)
-        step = half * (-_NODE[j] if n < _NODES // 2 else _NODE[j])
+        step = half * (-_NODE[at(j)] if n < _NODES // 2 else _NODE[at(j)])
         u = centre + step
         degree, second, leader = _leading(address, start, end, stride, u, scale)
-        area += _KRONROD[j] * degree
-        moment += _KRONROD[j] * degree * (offset + step)
-        coarse_area += _GAUSS[j] * degree
-        coarse_moment += _GAUSS[j] * degree * (offset + step)
+        area += _KRONROD[at(j)] * degree
+        moment += _KRONROD[at(j)] * degree * (offset + step)
+        coarse_area += _GAUSS[at(j)] * degree
+        coarse_moment += _GAUSS[at(j)] * degree * (offset + step)
         lead = degree - second
         if n > skipped and leader != leader1 and not has_crossing:
             has_crossing = True
@@ -285,25 +287,36 @@ def _interval(address, output, start, end, stride, a, b):
 
 @borrowing_kernel
 def crossing(address, first, second, left, right, scale):
-    """Return where between ``left`` and ``right`` the second member overtakes the first, by the Illinois method."""
-    before = sets.implied(address, second, left, scale) - sets.implied(address, first, left, scale)
-    after = sets.implied(address, second, right, scale) - sets.implied(address, first, right, scale)
-    width = right - left
-    for _ in range(_CROSSING_STEPS):
-        if not after > before or right - left <= 1e-9 * width:
-            break
-        middle = left - before * (right - left) / (after - before)
-        if not left < middle < right:  # one end is nearer to the crossing than numbers can say
-            return min(max(middle, left), right)
-        found = sets.implied(address, second, middle, scale) - sets.implied(address, first, middle, scale)
-        if found <= 0.0:
-            left = middle
-            before = found
-            after *= 0.5
+    """Return where between ``left`` and ``right`` the second member overtakes the first.
+
+    References:
+        Chandrupatla, "A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function without
+        using derivatives", 1997.
+    """
+    tolerance = _CROSSING * (right - left)
+    other = left
+    lead_other = sets.implied(address, second, left, scale) - sets.implied(address, first, left, scale)
+    last = lead_last = 0.0
+    best = right
+    lead = sets.implied(address, second, right, scale) - sets.implied(address, first, right, scale)
+    if lead_other >= 0.0 or lead <= 0.0:  # no crossing, or at an end
+        return left if lead_other >= 0.0 else right
+    share = 0.5
+    while abs(best - other) > tolerance and lead != 0.0:
+        least = 0.5 * tolerance / abs(best - other)
+        place = best + min(max(share, least), 1.0 - least) * (other - best)
+        found = sets.implied(address, second, place, scale) - sets.implied(address, first, place, scale)
+        if (found > 0.0) == (lead > 0.0):
+            last, lead_last = best, lead
         else:
-            right = middle
-            after = found
-            before *= 0.5
-        if found == 0.0:
-            return middle
-    return 0.5 * (left + right)
+            last, lead_last = other, lead_other
+            other, lead_other = best, lead
+        best, lead = place, found
+        # Inverse quadratic interpolation where the three places promise that it is monotone, otherwise halving.
+        x = (best - other) / (last - other)
+        y = (lead - lead_other) / (lead_last - lead_other)
+        share = 0.5
+        if y * y < x and (1.0 - y) * (1.0 - y) < 1.0 - x:
+            share = lead / (lead_other - lead) * lead_last / (lead_other - lead_last)
+            share += (last - best) / (other - best) * lead / (lead_last - lead) * lead_other / (lead_last - lead_other)
+    return best if abs(lead) < abs(lead_other) else other

@@ -1,19 +1,19 @@
 """The aggregated output set, point by point."""
 
 from fuzzy.kernels import membership, norms
-from fuzzy.kernels.address import outputs_at, rules_at, workspace_at
-from fuzzy.kernels.jit import borrowing_kernel
+from fuzzy.kernels.address import at, outputs_at, rules_at, workspace_at
+from fuzzy.kernels.jit import borrowing_kernel, inlined_kernel
 from fuzzy.kernels.norms import LEAST, MAX, MIN, PRODUCT, SUM
 
 
-@borrowing_kernel
+@inlined_kernel
 def implied(address, member, u, scale):
     """Return the degree at ``u`` of one member's implied set, times ``scale``."""
     outputs = outputs_at(address)
     workspace = workspace_at(address)
-    k = workspace.member[member]
-    degree = membership.degree(outputs.shape[k], outputs.parameter[k], outputs.value, u)
-    level = workspace.level[member]
+    k = workspace.member[at(member)]
+    degree = membership.degree(outputs.shape[at(k)], outputs.parameter[at(k)], outputs.value, u)
+    level = workspace.level[at(member)]
     code = outputs.implication[0]
     return imply(code, level, degree, scale)
 
