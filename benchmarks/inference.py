@@ -18,7 +18,7 @@ from msgspec.structs import replace
 
 from fuzzy import compile_system, load
 from fuzzy.compiler import compile_tables
-from fuzzy.kernels.inference import call_two, evaluate_rows
+from fuzzy.kernels.inference import compiled_call, evaluate_rows
 from fuzzy.shapes import Gaussian
 from fuzzy.system import FuzzySystem, Inference, RuleBase, Sampling
 
@@ -37,12 +37,13 @@ def main() -> None:
     controller = compile_system(system)
     own = controller.directory()
     address = own.address
+    entry = compiled_call(2)
     x = np.random.default_rng(0).uniform(-1, 1, (ROWS, 2)) * [variable.high for variable in system.inputs]
     y = np.zeros((ROWS, 1))
 
     bare, kernel, call = _least(
         lambda: [empty(address, 0.2, -1.0) for _ in range(CALLS)],
-        lambda: [call_two(address, 0.2, -1.0) for _ in range(CALLS)],
+        lambda: [entry(address, (0.2, -1.0)) for _ in range(CALLS)],
         lambda: [controller(0.2, -1.0) for _ in range(CALLS)],
         rounds=300,
     )

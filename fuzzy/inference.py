@@ -7,7 +7,7 @@ import math
 import os
 import threading
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +16,7 @@ from fuzzy import rules
 from fuzzy.compiler import compile_tables
 from fuzzy.errors import InvalidInputError
 from fuzzy.kernels import address, defuzzify, inference
-from fuzzy.kernels.jit import fix_types
+from fuzzy.kernels.jit import Kernel
 from fuzzy.kernels.tables import Tables, new_workspace
 from fuzzy.system import FuzzySystem, Rule
 from fuzzy.validation import validate
@@ -26,9 +26,6 @@ _ROWS_PER_THREAD = 4096
 
 _CURVE_POINTS = 201
 """Samples of an output set in a trace, besides its break points."""
-
-_MISSING: Any = object()
-"""An input that was not given."""
 
 
 class FiredRule(NamedTuple):
@@ -100,33 +97,35 @@ class Controller:
         self.tables: Tables = compile_tables(self.system)
         self._rejects = any(variable.out_of_range == "reject" for variable in self.system.inputs)
         self._lock = threading.Lock()
-        self._address = 0  # of this controller's own workspace, once a call has prepared it for calls of two numbers
+        self._address = 0  # of this controller's own workspace, once the first call has prepared it
+        self._entry: Kernel = _unprepared
 
-    def __call__(self, first: float = _MISSING, second: float = _MISSING, *others: float) -> float | tuple[float, ...]:
+    def __call__(self, *inputs: float) -> float | tuple[float, ...]:
         """Return the crisp output for crisp inputs, in the order of ``system.inputs``; a tuple for several outputs.
 
         Raises:
             InvalidInputError: When an input is not finite, lies outside a range that rejects it, or when there are
                 too many or too few.
         """
-        if self._address:  # two inputs that are clamped and one output: the first call has seen to it
-            try:
-                value = inference.call_two(self._address, first, second)
-            except TypeError:
-                value = math.nan
-            if value == value and not others:  # not NaN
-                return value
-        return self._call(tuple(value for value in (first, second, *others) if value is not _MISSING))
+        try:
+            value = self._entry(self._address, inputs)
+        except (TypeError, ValueError):
+            value = math.nan
+        if value == value:  # not NaN
+            return value
+        return self._call(inputs)
 
     def _call(self, inputs: tuple[float, ...]) -> float | tuple[float, ...]:
-        x = self._checked(inputs)
+        """Return the outputs where they are several or may be NaN, where inputs may be refused, and the first time."""
+        x = tuple(self._checked(inputs).tolist())
+        entry = inference.compiled_call(len(x))
         with self._lock:
             y = self._own.workspace.output
-            inference.call(self._own.address, x, y)
+            entry(self._own.address, x)
             result = float(y[0]) if y.size == 1 else tuple(y.tolist())
-            if x.size == 2 and y.size == 1 and not self._rejects:
-                fix_types(inference.call_two, 0, 0.0, 0.0)
-                self._address = self._own.address
+        if y.size == 1 and not self._rejects:
+            self._address = self._own.address
+            self._entry = entry
         return result
 
     @functools.cached_property
@@ -193,9 +192,9 @@ class Controller:
         own = self.directory()
         work = own.workspace
         y = work.output
-        count = inference.call(own.address, x, y)
+        inference.compiled_call(x.size)(own.address, tuple(x.tolist()))
         numbered = rules.all_rules(self.system)
-        fired = [FiredRule(int(n), numbered[n], float(work.strength[n])) for n in work.fired[:count]]
+        fired = [FiredRule(int(n), numbered[n], float(work.strength[n])) for n in work.fired[: work.fired_count[0]]]
         memberships = {
             variable.name: {
                 term.name: float(work.membership[k])
@@ -254,6 +253,11 @@ class Controller:
                         f"{rows[row, column]:g} in row {row} is refused; valid: {variable.low:g} to {variable.high:g}",
                         variable.name,
                     )
+
+
+def _unprepared(address: int, inputs: tuple[float, ...]) -> float:  # noqa: ARG001
+    """Stand for the kernel until it is compiled, or loaded from the cache."""
+    return math.nan
 
 
 def _processors() -> int:

@@ -4,7 +4,7 @@ import math
 
 from fuzzy.kernels import defuzzify, firing, membership
 from fuzzy.kernels.address import workspace_at
-from fuzzy.kernels.jit import borrowing_kernel, locking_kernel
+from fuzzy.kernels.jit import Kernel, borrowing_kernel, compiled_for, locking_kernel
 
 
 @borrowing_kernel
@@ -31,32 +31,29 @@ def evaluate(address, x, y):
 
 
 @locking_kernel
-def call(address, x, y):
-    """Run ``evaluate`` from Python."""
-    return evaluate(address, x, y)
-
-
-@locking_kernel
-def call_two(address: int, first: float, second: float) -> float:
-    """Run one inference of a system with two inputs and one output, without an array among the arguments.
+def call(address, inputs):
+    """Run one inference from Python, without an array among the arguments.
 
     Args:
-        address: Of a compiled system and its workspace; the workspace keeps the last output for the hold policy.
-        first: First crisp input.
-        second: Second crisp input.
+        address: Of a compiled system and its workspace, which keeps the outputs for the hold policy.
+        inputs: Tuple of the n_in crisp inputs.
 
     Returns:
-        The crisp output; NaN where an input is not finite, and then the last output is kept.
+        The first crisp output; all of them stand in ``workspace.output``. NaN where an input is not finite, and then
+        the last outputs are kept.
     """
     workspace = workspace_at(address)
-    last = workspace.output[0]
-    workspace.input[0] = first
-    workspace.input[1] = second
-    fired = evaluate(address, workspace.input, workspace.output)
-    if fired < 0:
-        workspace.output[0] = last
-        return math.nan
+    for i in range(len(inputs)):
+        if not math.isfinite(inputs[i]):
+            return math.nan
+        workspace.input[i] = inputs[i]
+    evaluate(address, workspace.input, workspace.output)
     return workspace.output[0]
+
+
+def compiled_call(n_inputs: int) -> Kernel:
+    """Return ``call`` compiled for this number of inputs."""
+    return compiled_for(call, 0, (0.0,) * n_inputs)
 
 
 @borrowing_kernel

@@ -30,7 +30,7 @@ JIT: bool = not cast("Any", config).DISABLE_JIT
 PROTOTYPE = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_int64, ctypes.c_int64)
 """The C type of an addressed kernel."""
 
-_FIXING = threading.Lock()
+_COMPILING = threading.Lock()
 
 _KEPT_CACHES = 4
 """Caches of earlier sources that stay on disk, for switching between branches."""
@@ -70,16 +70,20 @@ def parallel_kernel(function: Kernel) -> Kernel:
     return _compile(function, nogil=True, parallel=True)
 
 
-def fix_types(function: Kernel, *arguments: object) -> None:
-    """Compile a kernel for the types of these arguments; from now on others are converted to them, or refused."""
+def compiled_for(function: Kernel, *arguments: object) -> Kernel:
+    """Return a kernel compiled for the types of these arguments.
+
+    To call it takes a third of the time of calling the kernel itself, since numba does not look at the arguments:
+    numbers are converted to these types, anything else raises a TypeError or a ValueError.
+    """
     if not JIT:
-        return
+        return function
     dispatcher: Any = function
     signature = tuple(numba.typeof(argument) for argument in arguments)
-    with _FIXING:
+    with _COMPILING:
         if signature not in dispatcher.overloads:
             dispatcher.compile(signature)
-            dispatcher.disable_compile()
+    return dispatcher.overloads[signature].entry_point
 
 
 class AddressedKernel:

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from fuzzy import geometry, sets, shapes
 from fuzzy.compiler import rules as compiled_rules
 from fuzzy.kernels import codes, exact, norms, places, quadrature, sampled
-from fuzzy.kernels.jit import fix_types
+from fuzzy.kernels.jit import compiled_for
 from fuzzy.system import SNorm, TNorm
 from tests import generated, plain, reference, strategies
 
@@ -163,17 +163,18 @@ def test_an_addressed_kernel_keeps_its_address():
     assert sampled.centroid.address == sampled.centroid.address != exact.clipped_centroid.address != 0
 
 
-def test_fixed_types_convert_other_arguments_and_compile_once():
+def test_a_compiled_kernel_converts_other_numbers_and_is_compiled_once():
     @numba.njit
     def half(value):
         return value / 2
 
-    threads = [threading.Thread(target=fix_types, args=(half, 1.0)) for _ in range(4)]
+    threads = [threading.Thread(target=compiled_for, args=(half, 1.0)) for _ in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert half(3) == half(3.0) == 1.5
+    entry = compiled_for(half, 2.0)
+    assert entry(3) == entry(3.0) == 1.5
     assert len(half.signatures) == 1
     with pytest.raises(TypeError):
-        half("3")
+        entry("three")
