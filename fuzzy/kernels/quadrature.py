@@ -37,6 +37,7 @@ _PARTS = 60
 ACCOUNT = _FIRST + _WAITING * _ROOM + 2 * _PARTS
 """Numbers that an account takes."""
 
+_CROSSING_STEPS = 80
 _CROSSING = 1e-9
 """Accepted error of a crossing, as a share of its interval: what it costs is of second order."""
 
@@ -302,9 +303,13 @@ def crossing(address, first, second, left, right, scale):
     if lead_other >= 0.0 or lead <= 0.0:  # no crossing, or at an end
         return left if lead_other >= 0.0 else right
     share = 0.5
-    while abs(best - other) > tolerance and lead != 0.0:
+    for _ in range(_CROSSING_STEPS):
+        if abs(best - other) <= tolerance or lead == 0.0:
+            break
         least = 0.5 * tolerance / abs(best - other)
         place = best + min(max(share, least), 1.0 - least) * (other - best)
+        if place in (best, other):  # far from zero no number lies between them
+            break
         found = sets.implied(address, second, place, scale) - sets.implied(address, first, place, scale)
         if (found > 0.0) == (lead > 0.0):
             last, lead_last = best, lead

@@ -244,6 +244,20 @@ def test_the_reference_agrees_with_adaptive_quadrature_of_mpmath(operators):
     assert float(found) == pytest.approx(float(mpmath.fdiv(moment, area)), abs=1e-13)
 
 
+@pytest.mark.parametrize("shift", [10.7, 1e6])
+def test_a_narrow_range_far_from_zero_is_as_good(shift):
+    # Between the places where the sets cross there are few numbers, or none.
+    width = 1e-8 * shift
+    values = []
+    for low, unit in ((0.0, 1.0), (shift, width)):
+        system = single_input(
+            (0.9, Gaussian(low + 0.2 * unit, 0.1 * unit)), (0.8, Gaussian(low + 0.8 * unit, 0.2 * unit))
+        )
+        system = replace(system, outputs=(replace(system.outputs[0], low=low, high=low + unit),))
+        values.append((compile_system(system).explain(0.5).outputs["y"].value - low) / unit)
+    assert values[1] == pytest.approx(values[0], abs=1e-6)
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_a_mirrored_system_gives_the_mirrored_output(method):
     random = np.random.default_rng(10)
