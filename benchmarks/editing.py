@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from app.state import AppState, Edit, Result
+from app.store import Shown
 from app.workbench import Workbench
 from fuzzy import edits
 
@@ -28,6 +29,9 @@ class _Redraws:
     def __init__(self) -> None:
         self._last: Result | None = None
         self.seen = threading.Event()
+
+    def shows(self, state: AppState) -> Shown:
+        return (state.runs.current,)
 
     def render(self, state: AppState) -> None:
         if state.runs.current is not self._last:

@@ -21,6 +21,7 @@ from playwright.sync_api import Page, sync_playwright
 from app import store
 from app.runner import Frame
 from app.state import AppState, Edit, Event
+from app.store import Shown
 from app.workbench import Workbench
 from fuzzy.system import FuzzySystem
 from robot import controllers
@@ -78,6 +79,10 @@ class _Watch:
             self._waiting.append((self._begin, changed.document))
             self.arrivals.append(time.time())
         return changed
+
+    def shows(self, state: AppState) -> Shown:
+        """Return all, to be the last view of every event."""
+        return (state,)
 
     def render(self, state: AppState) -> None:
         """Note the end of a dispatch, and which edits a new run answers: its own and, newest wins, those before."""
