@@ -14,7 +14,7 @@ from app.state import AppState, Notice, Noticed, Playback, Setup
 from app.store import Shown
 from fuzzy.inference import Controller
 from fuzzy.kernels.address import Directory
-from fuzzy.kernels.inference import call
+from fuzzy.kernels.inference import compiled_call
 from fuzzy.system import FuzzySystem
 from robot import controllers
 from robot.arm import Arm
@@ -113,5 +113,5 @@ class Runner:
         if self._blocks is None or self._blocks[0] is not controller:
             self._blocks = (controller, controller.directory())
         directory = self._blocks[1]
-        call(directory.address, inputs, directory.workspace.output)
+        compiled_call(len(inputs))(directory.address, tuple(inputs.tolist()))
         return directory.workspace.strength.copy()
