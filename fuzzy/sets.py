@@ -297,6 +297,8 @@ def core(term: Term, low: float, high: float) -> tuple[float, float]:
 
 def is_monotone(term: Term, low: float, high: float) -> bool:
     """Return whether a set rises or falls all over [low, high], staying level at most at its end values."""
+    if isinstance(term.shape, Ramp | Sigmoid | SShape | ZShape | Concave):
+        return bool(np.diff(degrees(term, np.array([low, high])))[0] != 0)
     places = np.unique([*(value for value in break_points(term) if low < value < high), *np.linspace(low, high, 257)])
     steps = np.diff(degrees(term, places))
     return bool((steps >= 0).all() or (steps <= 0).all()) and bool((steps != 0).any())

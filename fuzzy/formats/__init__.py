@@ -156,7 +156,7 @@ def save(system: FuzzySystem, path: str | os.PathLike[str]) -> None:
 def _read(text: str, name: str, kind: Format) -> Imported:
     match kind:
         case "yaml":
-            return Imported(yaml.read(text, name), (), yaml.positions(text, name))
+            return yaml.read(text, name)
         case "fis":
             return fis.read(text, name)
         case "fll":

@@ -6,10 +6,15 @@ Shared by the readers of other engines' formats; YAML has a tree of its own (:mo
 from __future__ import annotations
 
 import bisect
+import functools
 import math
 import re
+from collections.abc import Iterator
 
 from fuzzy.errors import FormatError
+
+MAX_LINES = 100_000
+"""Greatest number of lines."""
 
 MAX_NUMBER = 64
 """Greatest length of a number's text."""
@@ -32,7 +37,10 @@ class Source:
     def __init__(self, text: str, name: str) -> None:
         self.text = text
         self.name = name
-        self._starts = [0, *(match.end() for match in _LINE_END.finditer(text))]
+
+    @functools.cached_property
+    def _starts(self) -> list[int]:
+        return [0, *(match.end() for match in _LINE_END.finditer(self.text))]
 
     def place(self, offset: int) -> tuple[int, int]:
         """Return line and column of an offset, counted from 1."""
@@ -43,10 +51,19 @@ class Source:
         """Return an error at an offset."""
         return FormatError(message, self.name, *self.place(offset), path)
 
-    def lines(self) -> list[tuple[int, str]]:
-        """Return every line with the offset of its first character, without its end."""
-        ends = [*self._starts[1:], len(self.text)]
-        return [(start, self.text[start:end].rstrip("\r\n")) for start, end in zip(self._starts, ends, strict=True)]
+    def lines(self) -> Iterator[tuple[int, str]]:
+        """Yield every line with the offset of its first character, without its end.
+
+        Raises:
+            FormatError: There are more than ``MAX_LINES``.
+        """
+        start = 0
+        for number, end in enumerate(_LINE_END.finditer(self.text), 1):
+            yield start, self.text[start : end.start()]
+            start = end.end()
+            if number >= MAX_LINES:
+                raise self.error(f"more than {MAX_LINES} lines", start)
+        yield start, self.text[start:]
 
 
 def decode(content: bytes, name: str) -> str:

@@ -13,6 +13,7 @@ from fuzzy import system as document
 from fuzzy.errors import FormatError, InvalidSystemError, expected, shown
 from fuzzy.formats import yaml_tree
 from fuzzy.formats import yaml_values as values
+from fuzzy.formats.assembly import Imported
 from fuzzy.formats.yaml_tree import Node
 from fuzzy.language import parse_rule
 from fuzzy.shapes import Shape
@@ -29,7 +30,7 @@ from fuzzy.system import (
     Sampling,
     Term,
 )
-from fuzzy.validation import validate
+from fuzzy.validation import MAX_RULES, validate
 
 OPERATOR_KEYS = {
     "and": "conjunction",
@@ -45,7 +46,7 @@ _SHAPES: dict[str, type[Shape]] = {shapes.kind(shape): shape for shape in shapes
 _TERM_KEYS = ("height", "complement")
 
 
-def read(text: str, source: str) -> FuzzySystem:
+def read(text: str, source: str) -> Imported:
     """Read a file's text.
 
     Args:
@@ -59,9 +60,9 @@ def read(text: str, source: str) -> FuzzySystem:
     found = _sections(root)
     # The variables are checked before the rules, which can then say what their names may be.
     system = _located(_variables(found), root)
-    if "rules" not in found:
-        return system
-    return _located(msgspec.structs.replace(system, rules=_rules(found["rules"], system)), root)
+    if "rules" in found:
+        system = _located(msgspec.structs.replace(system, rules=_rules(found["rules"], system)), root)
+    return Imported(system, (), yaml_tree.positions(root))
 
 
 def _located(system: FuzzySystem, root: Node) -> FuzzySystem:
@@ -71,11 +72,6 @@ def _located(system: FuzzySystem, root: Node) -> FuzzySystem:
     except InvalidSystemError as error:
         line, column = nearest(yaml_tree.positions(root), error.path)
         raise FormatError(error.message, root.source, line, column, error.path) from None
-
-
-def positions(text: str, source: str) -> dict[str, tuple[int, int]]:
-    """Return the line and column of every path of a file, such as ``inputs.e.terms.NB``."""
-    return yaml_tree.positions(yaml_tree.parse(text, source))
 
 
 def nearest(places: Mapping[str, tuple[int, int]], path: str) -> tuple[int, int]:
@@ -205,6 +201,8 @@ def _rules(node: Node, system: FuzzySystem) -> RuleBase:
     found = values.fields(node, (), ("table", "list"))
     table = _table(found["table"], system) if "table" in found else None
     listed = values.items(found["list"], "a list of rules") if "list" in found else []
+    if len(listed) > MAX_RULES:
+        raise found["list"].key_error(f"{len(listed)} rules: at most {MAX_RULES}")
     return RuleBase(table, tuple(_rule(entry, system) for entry in listed))
 
 

@@ -15,7 +15,7 @@ from fuzzy.formats.fis import words
 from fuzzy.formats.fis.rules import read_rules
 from fuzzy.formats.fis.sections import Line, Section, missing, quoted, read_sections
 from fuzzy.formats.source import Source, number
-from fuzzy.shapes import Linear, Points, Shape, Singleton
+from fuzzy.shapes import MAX_POINTS, Linear, Points, Shape, Singleton
 from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Inference, Input, NoFire, Output, Sampling, Term
 from fuzzy.validation import MAX_OUTPUT_TERMS, MAX_VARIABLES
 
@@ -200,8 +200,10 @@ def _head(notes: Notes, section: Section, path: str) -> tuple[str, float, float]
 
 
 def _numbers(source: Source, line: Line) -> list[float]:
-    values = []
+    values: list[float] = []
     for match in _WORD.finditer(line.text):
+        if len(values) > 2 * MAX_POINTS:
+            raise source.error(f"more than {2 * MAX_POINTS} numbers", line.offset + match.start())
         value = number(match.group())
         if value is None or value != value:
             raise source.error(f"expected a number, found '{shown(match.group())}'", line.offset + match.start())
@@ -280,5 +282,5 @@ def _shape(notes: Notes, match: re.Match[str], offset: int, n_inputs: int) -> Sh
         raise source.error(message, place)
     if len(values) > kind.n_parameters:
         surplus = " ".join(f"{value:g}" for value in values[kind.n_parameters :])
-        notes.remark(f"{word} has {kind.n_parameters} parameters: the rest ({surplus}) is left out", place)
+        notes.remark(f"{word} has {kind.n_parameters} parameters: the rest ({shown(surplus)}) is left out", place)
     return kind.build(*values[: kind.n_parameters])

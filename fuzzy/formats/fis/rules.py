@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Sequence
 from typing import Any, TypeVar
@@ -11,6 +12,7 @@ from fuzzy.formats.fis.sections import Line
 from fuzzy.formats.source import Source, number
 from fuzzy.system import And, Expression, Hedged, Input, Is, Not, Or, Output, Rule, Variable
 
+_MOST_CODES = 100
 _RULE = re.compile(r"(?P<inputs>[^,()]*),(?P<outputs>[^,()]*)\((?P<weight>[^()]*)\)\s*:\s*(?P<connection>\S+)\s*")
 _WORD = re.compile(r"\S+")
 _CODE = re.compile(r"(-?)(\d{1,6})(?:\.(\d*))?", re.ASCII)
@@ -80,13 +82,12 @@ def _coded(
     source: Source, line: Line, match: re.Match[str], group: str, variables: Sequence[_V]
 ) -> list[tuple[_V, Line]]:
     """Return the code of every variable."""
-    codes = [
-        Line(word.group(), line.offset + match.start(group) + word.start())
-        for word in _WORD.finditer(match.group(group))
-    ]
+    place = line.offset + match.start(group)
+    found = itertools.islice(_WORD.finditer(match.group(group)), _MOST_CODES + 1)
+    codes = [Line(word.group(), place + word.start()) for word in found]
     if len(codes) != len(variables):
-        place = line.offset + match.start(group)
-        raise source.error(f"{len(codes)} terms for the {len(variables)} {group}", place)
+        count = f"more than {_MOST_CODES}" if len(codes) > _MOST_CODES else str(len(codes))
+        raise source.error(f"{count} terms for the {len(variables)} {group}", place)
     return list(zip(variables, codes, strict=True))
 
 

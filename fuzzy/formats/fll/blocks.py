@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from dataclasses import dataclass, field
 
@@ -9,6 +10,7 @@ from fuzzy.errors import expected, shown
 from fuzzy.formats.assembly import Notes, unique
 from fuzzy.formats.rule_text import Token
 from fuzzy.formats.source import Source, number
+from fuzzy.shapes import MAX_POINTS
 from fuzzy.validation import MAX_OUTPUT_TERMS, MAX_RULES, MAX_VARIABLES
 
 _BLOCKS = ("Engine", "InputVariable", "OutputVariable", "RuleBlock")
@@ -24,6 +26,8 @@ _KEYS = {
 _REPEATED = {"InputVariable": "term", "OutputVariable": "term", "RuleBlock": "rule"}
 _LINE = re.compile(r"([A-Za-z-]+)\s*:\s*(.*)")
 _WORD = re.compile(r"\S+")
+_MAX_WORDS = 2 * MAX_POINTS + 3
+"""Name, class, points and height of a term."""
 
 
 @dataclass
@@ -119,6 +123,12 @@ def numbers(source: Source, found: list[Token]) -> list[float]:
     return values
 
 
-def split(token: Token) -> list[Token]:
+def split(source: Source, token: Token) -> list[Token]:
     """Return the words of a value."""
-    return [Token(match.group(), token.offset + match.start()) for match in _WORD.finditer(token.text)]
+    found = [
+        Token(match.group(), token.offset + match.start())
+        for match in itertools.islice(_WORD.finditer(token.text), _MAX_WORDS + 1)
+    ]
+    if len(found) > _MAX_WORDS:
+        raise source.error(f"more than {_MAX_WORDS} words", found[-1].offset)
+    return found

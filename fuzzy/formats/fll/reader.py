@@ -77,7 +77,7 @@ def _variable(notes: Notes, block: Block, path: str, n_inputs: int) -> tuple[flo
     if "range" not in block.values:
         raise source.error(f"'{shown(block.name)}' has no range", block.offset)
     place = block.values["range"].offset
-    ends = numbers(source, split(block.values["range"]))
+    ends = numbers(source, split(source, block.values["range"]))
     if len(ends) != 2 or not all(map(math.isfinite, ends)):
         message = f"expected a range of two finite numbers, found '{shown(block.values['range'].text)}'"
         raise source.error(message, place)
@@ -89,7 +89,7 @@ def _terms(notes: Notes, block: Block, path: str, n_inputs: int) -> list[Term]:
     source = notes.source
     terms: list[Term] = []
     for entry in block.entries:
-        found = split(entry)
+        found = split(source, entry)
         if len(found) < 2:
             message = f"expected a name, a class and parameters, found '{shown(entry.text)}'"
             raise source.error(message, entry.offset)
@@ -144,7 +144,7 @@ def _operators_of_output(
     token = block.values.get("defuzzifier")
     if token is None or token.text == "none":
         raise source.error(f"'{shown(block.name)}' has no defuzzifier", token.offset if token else block.offset)
-    found = split(token)
+    found = split(source, token)
     method = _word(source, found[0], words.DEFUZZIFIERS, "defuzzifier")
     if method in WEIGHTED_VALUES and is_true(source, block, "lock-range", otherwise=False):
         notes.remark("a weighted average is not limited to the range (lock-range)", block.values["lock-range"].offset)
