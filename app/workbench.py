@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import sys
 import time
 from pathlib import Path
 from typing import Protocol
@@ -32,6 +33,9 @@ FRAME_RATE = 30.0
 """Frames of the live view a second."""
 
 _PANEL_WIDTH = 380
+_SWITCH_SECONDS = 0.0005
+"""How long a thread that computes in Python may keep the interpreter from the event loop, which asks for it anew after
+every wait; Python's own 5 ms add up."""
 _BREATH_SECONDS = 0.005
 """What the stream leaves to everything else between two frames, however late it is."""
 _RECOVERY_SECONDS = 5.0
@@ -63,6 +67,7 @@ class Workbench:
     """
 
     def __init__(self, path: Path, *, host: str = "127.0.0.1", port: int = 8080, token: str | None = None) -> None:
+        sys.setswitchinterval(_SWITCH_SECONDS)
         storage = Storage(path.parent)
         opened = storage.open(path.name)
         self.server = start_server(host=host, port=port, token=token, on_refused=self._refuse)

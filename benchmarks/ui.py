@@ -2,7 +2,8 @@
 
 A hand drags a membership point for ten seconds. Three figures follow: from the edit's arrival at the server to the end
 of its redraw, whole scenario included; how long the event loop was kept from its other work; and what the browser
-sees, which on a machine without a graphics card is dominated by software rendering.
+sees, which on a machine without a graphics card is dominated by software rendering. A browser that draws in software
+wants all processors: for how much of the time the event loop waited for one is printed too.
 """
 
 from __future__ import annotations
@@ -67,6 +68,7 @@ class _Watch:
         self.dispatches: list[float] = []
         self.lags: list[float] = []
         self.frames = 0
+        self.thread = 0
         self.is_on = False
         self._update = store.update
         store.update = self._updated
@@ -105,6 +107,7 @@ class _Watch:
     async def begin(self, workbench: Workbench) -> None:
         """Become the last view, and measure from now on by how much the event loop is late."""
         workbench.store.add(self)
+        self.thread = threading.get_native_id()
         while True:
             begin = time.perf_counter()
             await asyncio.sleep(_PROBE)
@@ -149,19 +152,26 @@ def _drag(page: Page, watch: _Watch) -> None:
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
     page.mouse.down()
-    watch.is_on, begin, step = True, time.perf_counter(), 0
+    watch.is_on, begin, step, waited = True, time.perf_counter(), 0, _waited(watch.thread)
     while time.perf_counter() - begin < SECONDS:
         step += 1
         page.mouse.move(x - 25 - 20 * np.sin(step / 6), y)
         threading.Event().wait(0.02)
     watch.is_on = False
     wall = time.perf_counter() - begin
+    share = (_waited(watch.thread) - waited) / wall
     page.mouse.up()
     seen: list[list[Any]] = page.evaluate("window.__seen")
-    _print(watch, wall, idle, seen)
+    _print(watch, wall, idle, seen, share)
 
 
-def _print(watch: _Watch, wall: float, idle: float, seen: list[list[Any]]) -> None:
+def _waited(thread: int) -> float:
+    """Return for how long a thread of this process has been ready to run without a processor, s; 0 if not known."""
+    statistics = Path(f"/proc/self/task/{thread}/schedstat")
+    return int(statistics.read_text().split()[1]) / 1e9 if statistics.exists() else 0.0
+
+
+def _print(watch: _Watch, wall: float, idle: float, seen: list[list[Any]], waited: float) -> None:
     def shown(seconds: list[float]) -> str:
         if not seconds:
             return "nothing measured"
@@ -176,4 +186,5 @@ def _print(watch: _Watch, wall: float, idle: float, seen: list[list[Any]]) -> No
     print(f"  edit's arrival to the end of its redraw: {shown(watch.latencies)}")
     print(f"  edit's arrival to new figures in the page: {shown(in_page)} (software rendering)")
     print(f"  the event loop was late by: {shown(watch.lags)}; one dispatch: {shown(watch.dispatches)}")
+    print(f"  the event loop waited for a processor: {100 * waited:.0f} % of the time")
     print(f"  frames sent: {watch.frames / wall:.1f} a second; frames painted before the drag: {idle:.1f} a second")
