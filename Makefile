@@ -51,9 +51,10 @@ package: $(VENV)/installed-dev  ## build the wheel, install it into an empty env
 fuzz: $(VENV)/installed-dev  ## read a hundred thousand damaged files of every format
 	@FUZZ_EXAMPLES=100000 $(BIN)/python -m pytest tests/formats/test_fuzz.py
 
-screenshot: $(VENV)/installed-dev browser  ## take docs/screenshot.png again, through the browser test
-	@$(BIN)/python -m pytest tests/e2e
+screenshot: $(VENV)/installed-dev browser  ## take the pictures in docs again, through the browser tests
+	@$(BIN)/python -m pytest tests/e2e/test_tutorial.py tests/e2e/test_workbench.py
 	@cp tests/e2e/shots/workbench.png docs/screenshot.png
+	@cp tests/e2e/shots/guide-*.png docs/
 
 browser: $(VENV)/installed-dev
 	@$(BIN)/python -m tests.e2e.browser

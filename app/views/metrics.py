@@ -127,6 +127,8 @@ def _line(metric: str, columns: list[_Column]) -> str:
 def _color(value: float, rival: float) -> str:
     if math.isnan(value) or math.isnan(rival) or _text(value) == _text(rival):
         return "inherit"
+    if max(abs(value), abs(rival)) < _TINY:  # both read as nothing
+        return "inherit"
     both = math.isfinite(value) and math.isfinite(rival)
     if both and abs(value - rival) <= _DIFFERENCE * max(abs(value), abs(rival)):
         return "inherit"

@@ -20,6 +20,8 @@ _FIGURES = {
     "steady_state_error": ("steady-state error", "%"),
     "rms_error": ("RMS error", "%"),
 }
+_TINY, _SMALL = 5e-4, 0.01
+"""Numbers between are shown with four decimals: three significant digits would be too wide."""
 _WIDTH, _HEIGHT = 330, 70
 """Of the histogram, in pixels."""
 
@@ -73,7 +75,7 @@ def _outcome_html(outcome: Outcome, is_present: bool) -> str:
     order = outcome.order
     what = f"{order.plants} arms, {escape(order.document.name)}, {escape(order.setup.controller)}"
     stale = f'<div style="color:{BAD}">▲ found before the last change of rules or experiment: study again</div>'
-    head = f'<tr style="color:{MUTED}"><td></td><td colspan="2">this controller</td><td colspan="2">PID</td></tr>'
+    head = f'<tr style="color:{MUTED}"><td></td><td colspan="2" style="text-align:right">this controller</td><td colspan="2" style="text-align:right">PID</td></tr>'
     half = '<td style="text-align:right">median</td><td style="text-align:right">95 %</td>'
     lines = [head, f'<tr style="color:{MUTED}"><td>worst coordinate</td>{half}{half}</tr>']
     for name, (label, unit) in _FIGURES.items():
@@ -99,7 +101,9 @@ def _text(found: Spread, name: str, percent: float) -> str:
     value = percentile(getattr(found, name), percent)
     if math.isnan(value):
         return "–"
-    return "never" if math.isinf(value) else number(value)
+    if math.isinf(value):
+        return "never"
+    return f"{value:.4f}" if _TINY < value < _SMALL else number(value)
 
 
 def _share(found: Spread) -> str:
@@ -120,10 +124,11 @@ def _histogram_svg(outcome: Outcome) -> str:
         if n
     ]
     label, unit = _FIGURES[name]
+    ends = f"<span>0</span><span>{number(float(edges[-1]))} {unit}</span>"
     caption = (
-        f'<div style="color:{MUTED};display:flex;justify-content:space-between"><span>0</span><span>how many arms: '
-        f'<b style="color:{RUN}">this controller</b>, <b style="color:{PID}">PID</b>, by {label}</span>'
-        f"<span>{number(float(edges[-1]))} {unit}</span></div>"
+        f'<div style="color:{MUTED};display:flex;justify-content:space-between">{ends}</div>'
+        f'<div style="color:{MUTED}">how many arms, by {label}: <b style="color:{RUN}">this controller</b>, '
+        f'<b style="color:{PID}">PID</b></div>'
     )
     return (
         f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" width="100%" style="display:block;margin-top:6px;'

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import FloatRect, Locator, Page, expect
 
 from tests.e2e.harness import LOAD_TIMEOUT_MS, settle
 
@@ -21,18 +21,24 @@ Metrics = dict[str, str]
 SHOTS = Path(__file__).parent / "shots"
 
 
-def photograph(page: Page, name: str) -> Path:
-    """Photograph a page into ``tests/e2e/shots`` and return the picture's path."""
+def photograph(page: Page, name: str, part: FloatRect | None = None) -> Path:
+    """Photograph a page, or a part of it, into ``tests/e2e/shots`` and return the picture's path."""
     SHOTS.mkdir(exist_ok=True)
     path = SHOTS / f"{name}.png"
     settle(page)
-    page.screenshot(path=path, timeout=LOAD_TIMEOUT_MS)
+    page.screenshot(path=path, timeout=LOAD_TIMEOUT_MS, clip=part)
     return path
 
 
 def press(page: Page, name: str) -> None:
     """Click the first button of a name that can be seen."""
     page.get_by_role("button", name=name, exact=True).locator("visible=true").first.click()
+
+
+def field(page: Page, label: str) -> Locator:
+    """Return the field of text or the fields of numbers beside a label; viser names only the first of several."""
+    row = f"xpath=//label[normalize-space()='{label}']/ancestor::div[.//input][1]//input"
+    return page.locator(row).locator("visible=true")
 
 
 def fold(page: Page, title: str) -> None:

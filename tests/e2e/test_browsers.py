@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from tests.e2e.harness import HIDE_SOFTWARE_RENDERER, LOAD_TIMEOUT_MS, Workbench, look_at, wait_until_ready
-from tests.e2e.panels import ANSWER_MS, choose, choose_tab, column, photograph, restored, simulated_time, until
+from tests.e2e.panels import ANSWER_MS, choose, choose_tab, column, field, photograph, restored, simulated_time, until
 
 pytestmark = pytest.mark.usefixtures("nothing_went_wrong")
 
@@ -64,14 +64,6 @@ def test_help_lists_keys_gestures_and_panels_and_leads_to_the_tour(visitor: Page
         expect(window).to_contain_text(text)
     photograph(visitor, "help")
     expect(page.get_by_role("dialog", name="Help")).to_have_count(0)
-    visitor.keyboard.press("Escape")
-    expect(window).to_have_count(0)
-
-    palette = visitor.get_by_placeholder("Search commands")
-    visitor.locator("body").press("Control+k")
-    palette.fill("help")
-    palette.press("Enter")
-    expect(window).to_be_visible()
     window.get_by_role("button", name="Show the tour").click()
     expect(window).to_have_count(0)
     card = visitor.get_by_role("region", name="Tour")
@@ -91,7 +83,7 @@ def test_keys_work_in_a_dropdown_and_in_a_field_too(visitor: Page, page: Page, w
     restored(page, first)
 
     choose_tab(visitor, "Files")
-    title = visitor.get_by_role("textbox", name="title", exact=True)
+    title = field(visitor, "title")
     was = title.input_value()
     title.fill("a title")
     visitor.keyboard.press("Control+s")

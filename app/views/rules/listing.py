@@ -17,14 +17,13 @@ from app.store import Shown, Store
 from app.widgets import div, escape, full_width_html, on_input, put
 from fuzzy import edits, language, rules
 from fuzzy.errors import FormatError
-from fuzzy.system import FuzzySystem
+from fuzzy.system import And, Expression, FuzzySystem, Is, Not, Rule
 
 _MOST_TEXT = 4000
 _ACTIONS = ("add", "replace", "delete", "new")
 _STEPS = {"‹": -1, "›": 1}
 _AS_LIST = "turn the table into a list"
 _AS_TABLE = "turn the list into a table"
-_EXAMPLE = "if e is NB and not (de is FR or de is MR) then T is LL with 0.8"
 
 
 class RuleListView:
@@ -180,11 +179,20 @@ def _head(system: FuzzySystem, first: int, count: int) -> str:
     return f'<b>Rules as text</b> <span style="color:{MUTED}">{which}</span>'
 
 
+def _example(system: FuzzySystem) -> str:
+    """Return a rule that could be written, in the document's own words."""
+    first, last, output = system.inputs[0], system.inputs[-1], system.outputs[0]
+    tested: Expression = Not(Is(last.name, last.terms[-1].name))
+    if first is not last:
+        tested = And((Is(first.name, first.terms[0].name), tested))
+    return language.format_rule(Rule(tested, (Is(output.name, output.terms[0].name),), 0.8))
+
+
 def _error_html(state: AppState) -> str:
     """Return what is wrong with the text, under the column at which it is."""
     text = _text(state)
     if not text.strip():
-        return div(f"such as <code>{escape(_EXAMPLE)}</code>", f"color:{MUTED};font-size:12px")
+        return div(f"such as <code>{escape(_example(state.document))}</code>", f"color:{MUTED};font-size:12px")
     try:
         language.parse_rule(text, state.document)
     except FormatError as error:
