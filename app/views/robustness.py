@@ -75,7 +75,8 @@ def _outcome_html(outcome: Outcome, is_present: bool) -> str:
     order = outcome.order
     what = f"{order.plants} arms, {escape(order.document.name)}, {escape(order.setup.controller)}"
     stale = f'<div style="color:{BAD}">▲ found before the last change of rules or experiment: study again</div>'
-    head = f'<tr style="color:{MUTED}"><td></td><td colspan="2" style="text-align:right">this controller</td><td colspan="2" style="text-align:right">PID</td></tr>'
+    both = "".join(f'<td colspan="2" style="text-align:right">{name}</td>' for name in ("this controller", "PID"))
+    head = f'<tr style="color:{MUTED}"><td></td>{both}</tr>'
     half = '<td style="text-align:right">median</td><td style="text-align:right">95 %</td>'
     lines = [head, f'<tr style="color:{MUTED}"><td>worst coordinate</td>{half}{half}</tr>']
     for name, (label, unit) in _FIGURES.items():
