@@ -103,7 +103,10 @@ def put_arm_at(page: Page, seconds: str) -> None:
     def typed() -> Metrics:
         # While the arm moves, the field is rewritten thirty times a second: the first typing may only stop it.
         # The arm that moves passes this time, too.
-        if not page.get_by_text("replay of").is_visible() or f"{simulated_time(page):g}" != f"{float(seconds):g}":
+        if (
+            not page.get_by_text(re.compile(r"replay of .* t = ")).first.is_visible()
+            or f"{simulated_time(page):g}" != f"{float(seconds):g}"
+        ):
             beside.first.fill(seconds)
             beside.first.press("Enter")
             settle(page, 10)
