@@ -20,9 +20,10 @@ from fuzzy.analysis.places import spread
 from fuzzy.errors import InvalidInputError
 from fuzzy.inference import Controller, compile_system
 from fuzzy.kernels import activity
+from fuzzy.limits import MAX_OUTPUT_TERMS, MAX_TERMS
 from fuzzy.shapes import Gaussian, Singleton
 from fuzzy.system import And, FuzzySystem, Inference, Input, Is, Output, Rule, RuleBase, Term
-from fuzzy.validation import MAX_OUTPUT_TERMS, MAX_TERMS, validate
+from fuzzy.validation import validate
 
 Numbers = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from fuzzy.compiler import compile_tables
 from fuzzy.errors import InvalidInputError
 from fuzzy.kernels import address, defuzzify, inference
 from fuzzy.kernels.jit import Kernel
-from fuzzy.kernels.tables import Tables, new_workspace
+from fuzzy.kernels.tables import Tables
 from fuzzy.system import FuzzySystem, Rule
 from fuzzy.validation import validate
 
@@ -117,7 +117,7 @@ class Controller:
 
     def _call(self, inputs: tuple[float, ...]) -> float | tuple[float, ...]:
         """Return the outputs where they are several or may be NaN, where inputs may be refused, and the first time."""
-        x = tuple(self._checked(inputs).tolist())
+        x = self._checked(inputs)
         entry = inference.compiled_call(len(x))
         with self._lock:
             y = self._own.workspace.output
@@ -142,7 +142,7 @@ class Controller:
         One thread at a time may use it, and whoever does must keep it.
         """
         kernels = [defuzzify.DEFUZZIFIERS[int(method)].address for method in self.tables.outputs.method]
-        return address.directory(self.tables, new_workspace(self.tables), kernels)
+        return address.directory(self.tables, kernels)
 
     def batch(self, x: ArrayLike) -> NDArray[np.float64]:
         """Return the crisp outputs of many independent inferences, computed on all processors.
@@ -192,7 +192,7 @@ class Controller:
         own = self.directory()
         work = own.workspace
         y = work.output
-        inference.compiled_call(x.size)(own.address, tuple(x.tolist()))
+        inference.compiled_call(len(x))(own.address, x)
         numbered = rules.all_rules(self.system)
         fired = [FiredRule(int(n), numbered[n], float(work.strength[n])) for n in work.fired[: work.fired_count[0]]]
         memberships = {
@@ -203,7 +203,7 @@ class Controller:
             for variable, first in zip(self.system.inputs, self.tables.inputs.term_start, strict=False)
         }
         return Trace(
-            inputs=dict(zip((v.name for v in self.system.inputs), x.tolist(), strict=True)),
+            inputs=dict(zip((v.name for v in self.system.inputs), x, strict=True)),
             clamped=tuple(
                 v.name for v, value in zip(self.system.inputs, x, strict=True) if not v.low <= value <= v.high
             ),
@@ -226,16 +226,17 @@ class Controller:
         heights = {term.name: float(work.height[first + k]) for k, term in enumerate(output.terms)}
         return OutputTrace(value, not work.undefined[number], heights, u, degree)
 
-    def _checked(self, inputs: tuple[float, ...]) -> NDArray[np.float64]:
-        """Return the inputs as an array, or refuse them."""
+    def _checked(self, inputs: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the inputs as floats, or refuse them."""
         names = [variable.name for variable in self.system.inputs]
         if len(inputs) != len(names):
             raise InvalidInputError(f"{len(inputs)} inputs; valid: {len(names)} ({', '.join(names)})")
         try:
-            x = np.array([float(value) for value in inputs])
+            x = tuple([float(value) for value in inputs])
         except (TypeError, ValueError, OverflowError) as error:
             raise InvalidInputError(f"found {inputs}; valid: {len(names)} finite numbers") from error
-        self._check_rows(x[np.newaxis])
+        if self._rejects or not all(map(math.isfinite, x)):
+            self._check_rows(np.array([x]))
         return x
 
     def _check_rows(self, rows: NDArray[np.float64]) -> None:

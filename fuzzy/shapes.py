@@ -1,6 +1,6 @@
 """Membership functions: one closed union of shapes and their parameters.
 
-A shape is data; :mod:`fuzzy.invariants` says which parameters are valid, :mod:`fuzzy.sets` what a term makes of it,
+A shape is data; :mod:`fuzzy.validation` says which parameters are valid, :mod:`fuzzy.sets` what a term makes of it,
 :mod:`fuzzy.kernels.membership` computes its degrees.
 
 References:

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from fuzzy import sets
 from fuzzy.conversion import converted
 from fuzzy.errors import InvalidSystemError
-from fuzzy.invariants import validate_shape
+from fuzzy.limits import MIN_RELATIVE_WIDTH
 from fuzzy.shapes import (
     SHAPES,
     Gaussian,
@@ -43,7 +43,7 @@ from fuzzy.system import (
     RuleTable,
     Term,
 )
-from fuzzy.validation import MIN_RELATIVE_WIDTH
+from fuzzy.validation.shapes import validate_shape
 
 Generator = np.random.Generator
 Range = tuple[float, float]

@@ -11,7 +11,6 @@ from fuzzy import sets
 from fuzzy import system as document
 from fuzzy.conversion import converted
 from fuzzy.errors import InvalidSystemError
-from fuzzy.invariants import validate_shape
 from fuzzy.shapes import SHAPES, Gaussian, Shape, Trapezoid, Triangle, kind, parameters
 from fuzzy.system import (
     And,
@@ -32,6 +31,7 @@ from fuzzy.system import (
     Term,
     Variable,
 )
+from fuzzy.validation.shapes import validate_shape
 from tests import plain
 
 ODD_NAMES = (

@@ -58,8 +58,8 @@ def infer(
 def _resolution(text: str) -> Literal["exact"] | Sampling:
     from app.commands.failure import UsageError
     from fuzzy.errors import shown
+    from fuzzy.limits import MAX_POINTS, MIN_POINTS
     from fuzzy.system import Sampling
-    from fuzzy.validation import MAX_POINTS, MIN_POINTS
 
     if text == "exact":
         return "exact"

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import functools
 from typing import NamedTuple
 
 from fuzzy import geometry, sets
 from fuzzy.compiler.arrays import KEPT, frozen, integers, numbers, starts
+from fuzzy.identity import remembered
 from fuzzy.kernels import codes
 from fuzzy.kernels.address import entries
 from fuzzy.kernels.tables import InputTables, Integers
@@ -15,7 +15,7 @@ from fuzzy.system import Input
 _PADDING = (0.0,) * (codes.WIDTH - 3)
 
 
-@functools.lru_cache(maxsize=KEPT)
+@remembered(KEPT)
 def compile_inputs(inputs: tuple[Input, ...]) -> tuple[InputTables, Integers]:
     """Return the inputs' tables and their entries in a directory."""
     compiled = [_compile_input(variable) for variable in inputs]
@@ -45,7 +45,7 @@ class _Input(NamedTuple):
     cells: list[list[tuple[int, int, tuple[float, ...]]]]  # term, membership code, parameters of each piece
 
 
-@functools.lru_cache(maxsize=KEPT)
+@remembered(KEPT)
 def _compile_input(variable: Input) -> _Input:
     segments = [sets.segments(term) for term in variable.terms]
     points = geometry.knots(segments, variable.low, variable.high)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from typing import NamedTuple, assert_never
 
@@ -11,6 +10,7 @@ import numpy as np
 from fuzzy import geometry, sets
 from fuzzy.compiler import methods
 from fuzzy.compiler.arrays import frozen, integers, numbers, starts
+from fuzzy.identity import remembered
 from fuzzy.kernels import codes
 from fuzzy.kernels.address import entries
 from fuzzy.kernels.tables import Integers, Numbers, OutputTables
@@ -48,7 +48,7 @@ class _Output(NamedTuple):
     traits: methods.Traits
 
 
-@functools.lru_cache(maxsize=_KEPT)
+@remembered(_KEPT)
 def compile_outputs(outputs: tuple[Output, ...], inference: Inference) -> tuple[OutputTables, Integers]:
     """Return the outputs' tables and their entries in a directory."""
     compiled = [_compile_output(variable) for variable in outputs]
@@ -100,7 +100,7 @@ def compile_outputs(outputs: tuple[Output, ...], inference: Inference) -> tuple[
     return tables, entries(frozen(tables))
 
 
-@functools.lru_cache(maxsize=_KEPT)
+@remembered(_KEPT)
 def _compile_output(output: Output) -> _Output:
     low, high = output.low, output.high
     middle = 0.5 * (low + high)

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import functools
-from typing import assert_never
+import itertools
+from typing import NamedTuple, assert_never
 
 import numpy as np
 
 from fuzzy.compiler.arrays import KEPT, frozen, integers, numbers, starts
 from fuzzy.errors import InvalidSystemError
+from fuzzy.identity import ByIdentity, remembered
 from fuzzy.kernels import codes, hedges, norms
 from fuzzy.kernels.address import entries
-from fuzzy.kernels.tables import Integers, Numbers, RuleTables
-from fuzzy.rules import propositions
-from fuzzy.system import And, Expression, FuzzySystem, Hedged, Input, Is, Not, Or, Output, Rule
+from fuzzy.kernels.tables import Integers, RuleTables
+from fuzzy.limits import MAX_RULES
+from fuzzy.system import And, Expression, FuzzySystem, Hedged, Input, Is, Not, Or, Output, Rule, RuleTable
 
 T_NORM = {
     "min": norms.MIN,
@@ -51,93 +53,162 @@ _HEDGE = {
 Names = dict[tuple[str, str], int]
 
 
+class _Listed(NamedTuple):
+    """A listed rule."""
+
+    program: tuple[int, ...]  # the antecedent in postfix order
+    terms: tuple[int, ...]  # the consequents
+
+
+class _Numbering(NamedTuple):
+    """The numbers of all inputs and terms of a system."""
+
+    places: dict[str, int]  # of the inputs
+    n_inputs: int  # how many terms they have
+    antecedent: Names  # the inputs' terms, and behind them the outputs'
+    consequent: Names
+    output_of_term: Integers
+    n_outputs: int
+    listed: ByIdentity[_Listed]  # rules that have been compiled with these numbers
+
+
+class _Table(NamedTuple):
+    """A rule table without what its cells name."""
+
+    axes: tuple[int, int]  # inputs of the rows and of the columns
+    shape: tuple[int, int]
+    filled: tuple[bool, ...]  # whether each cell holds a rule, row by row; empty if all do
+    n_cells: int  # that are filled
+
+
+class _Frame(NamedTuple):
+    """What does not depend on the terms that rules conclude: the other fields of ``RuleTables``."""
+
+    before: tuple[np.ndarray, ...]
+    behind: tuple[np.ndarray, ...]
+    entries: Integers  # of all fields; that of consequent_term stands for another one
+
+
 def compile_rules(system: FuzzySystem) -> tuple[RuleTables, Integers]:
     """Return the rules' tables and their entries in a directory.
-
-    Which term a cell names is all that painting it changes.
 
     Raises:
         InvalidSystemError: When a rule names a variable or a term that is not there.
     """
-    table = system.rules.table
-    known = _term_numbers(system.outputs)
-    terms: list[int] = []
-    filled: tuple[bool, ...] = ()
-    if table is not None:
-        cells = [cell for row in table.cells for cell in row]
-        filled = tuple(cell is not None for cell in cells)
-        try:
-            terms = [known[table.output, cell] for cell in cells if cell is not None]
-        except KeyError as error:
-            raise InvalidSystemError(f"no output term '{' is '.join(error.args[0])}'", "rules.table") from None
-    for number, rule in enumerate(system.rules.list):
-        terms += _consequents(rule, known, f"rules.list[{number}]")
-    axes = None if table is None else (table.rows, table.columns)
-    inference = system.inference
-    operators = (T_NORM[inference.conjunction], S_NORM[inference.disjunction])
-    variables = (*system.inputs, *_chained(system))
-    frame, listed = _compile_frame(axes, filled, system.rules.list, variables, operators)
-    consequent_term = integers(terms)
-    consequent_output = _output_of_term(system.outputs)[consequent_term]
-    ends = (consequent_term, consequent_output, starts(np.bincount(consequent_output, minlength=len(system.outputs))))
-    tables = RuleTables._make((*frame, *ends))
-    return tables, np.concatenate([listed, entries(frozen(ends))])
+    numbering = _number(system.inputs, system.outputs)
+    grid, terms = _compile_table(system.rules.table, numbering)
+    listed = _compile_list(system.rules.list, numbering)
+    consequents = [rule.terms for rule in listed]
+    concluded = integers([*terms, *itertools.chain.from_iterable(consequents)])
+    frame = _compile_frame(
+        grid,
+        tuple([rule.program for rule in listed]),
+        tuple([rule.weight for rule in system.rules.list]),
+        tuple(map(len, consequents)),
+        numbering.output_of_term[concluded].tobytes() if numbering.n_outputs > 1 else b"",
+        numbering.n_outputs,
+        (T_NORM[system.inference.conjunction], S_NORM[system.inference.disjunction]),
+    )
+    tables = RuleTables(*frame.before, *frozen((concluded,)), *frame.behind)
+    found = frame.entries.copy()
+    found[len(frame.before)] = entries((concluded,))
+    return tables, found
+
+
+@remembered(KEPT)
+def _number(inputs: tuple[Input, ...], outputs: tuple[Output, ...]) -> _Numbering:
+    return _Numbering(
+        {variable.name: place for place, variable in enumerate(inputs)},
+        sum(len(variable.terms) for variable in inputs),
+        _term_numbers((*inputs, *outputs)),
+        _term_numbers(outputs),
+        integers([number for number, variable in enumerate(outputs) for _ in variable.terms]),
+        len(outputs),
+        ByIdentity(MAX_RULES),
+    )
+
+
+def _term_numbers(variables: tuple[Input | Output, ...]) -> Names:
+    keys = [(variable.name, term.name) for variable in variables for term in variable.terms]
+    return {key: number for number, key in enumerate(keys)}
+
+
+def _compile_table(table: RuleTable | None, numbering: _Numbering) -> tuple[_Table | None, list[int]]:
+    """Return a table and the output terms that its rules conclude, row by row."""
+    if table is None:
+        return None, []
+    output, known = table.output, numbering.consequent
+    try:
+        terms = [known[output, cell] for row in table.cells for cell in row if cell is not None]
+    except KeyError as error:
+        raise InvalidSystemError(f"no output term '{' is '.join(error.args[0])}'", "rules.table") from None
+    shape = len(table.cells), len(table.cells[0])
+    is_full = len(terms) == shape[0] * shape[1]
+    filled = () if is_full else tuple([cell is not None for row in table.cells for cell in row])
+    axes = numbering.places[table.rows], numbering.places[table.columns]
+    return _Table(axes, shape, filled, len(terms)), terms
 
 
 @functools.lru_cache(maxsize=KEPT)
 def _compile_frame(
-    axes: tuple[str, str] | None,
-    filled: tuple[bool, ...],
-    listed: tuple[Rule, ...],
-    variables: tuple[Input | Output, ...],
+    grid: _Table | None,
+    programs: tuple[tuple[int, ...], ...],
+    weights: tuple[float, ...],
+    counts: tuple[int, ...],
+    outputs: bytes,
+    n_outputs: int,
     operators: tuple[int, int],
-) -> tuple[tuple[np.ndarray, ...], Integers]:
-    """Return what does not depend on the rules' consequents: the first fields of ``RuleTables`` and their entries.
+) -> _Frame:
+    """Return what does not depend on the terms that rules conclude.
 
     Args:
-        axes: Inputs of the table's rows and columns.
-        filled: Whether each cell of the table holds a rule, row by row.
-        listed: The listed rules.
-        variables: All inputs, and all outputs if an antecedent names one.
+        grid: The table.
+        programs: The antecedents of the listed rules.
+        weights: Their weights.
+        counts: How many consequents each of them has.
+        outputs: The output of each consequent, as an array's bytes; empty if there is only one output.
+        n_outputs: How many there are.
         operators: Codes of AND and OR.
     """
-    places = {variable.name: place for place, variable in enumerate(variables)}
-    grid_input = (0, 0) if axes is None else (places[axes[0]], places[axes[1]])
-    n_columns = len(variables[grid_input[1]].terms)
-    numbered = np.where(filled, np.cumsum(filled) - 1, -1) if axes is not None else np.empty(0)
-    counts = [1] * sum(filled) + [len(rule.consequents) for rule in listed]
-    frame = (
+    cells = np.empty((0, 1), dtype=np.int64)
+    axes, n_cells = (0, 0), 0
+    if grid is not None:
+        axes, n_cells = grid.axes, grid.n_cells
+        filled = np.array(grid.filled) if grid.filled else np.ones(grid.shape[0] * grid.shape[1], dtype=bool)
+        cells = integers(np.where(filled, np.cumsum(filled) - 1, -1)).reshape(grid.shape)
+    count = n_cells + sum(counts)
+    output_of = np.frombuffer(outputs, dtype=np.int64).copy() if outputs else np.zeros(count, dtype=np.int64)
+    before = (
         integers(operators),
-        integers(numbered).reshape(-1, n_columns),
-        integers(grid_input),
-        *_compile_list(listed, variables),
-        starts(counts),
-    )
-    return frame, entries(frozen(frame))
-
-
-def _chained(system: FuzzySystem) -> tuple[Output, ...]:
-    """Return the outputs if an antecedent names one: their terms are numbered behind those of the inputs."""
-    names = {output.name for output in system.outputs}
-    listed = (proposition for rule in system.rules.list for proposition in propositions(rule.antecedent))
-    return system.outputs if any(proposition.variable in names for proposition in listed) else ()
-
-
-def _compile_list(
-    listed: tuple[Rule, ...], variables: tuple[Input | Output, ...]
-) -> tuple[Integers, Integers, Numbers]:
-    """Return the antecedents of the listed rules, where each begins, and their weights."""
-    known = _term_numbers(variables)
-    inputs = sum(len(variable.terms) for variable in variables if isinstance(variable, Input))
-    programs = [
-        _joined_by_all(_program(rule.antecedent, known, f"rules.list[{number}]"), inputs)
-        for number, rule in enumerate(listed)
-    ]
-    return (
+        cells,
+        integers(axes),
         integers([word for program in programs for word in program]),
         starts(len(program) for program in programs),
-        numbers([rule.weight for rule in listed]),
+        numbers(weights),
+        starts([1] * n_cells + list(counts)),
     )
+    behind = (output_of, starts(np.bincount(output_of, minlength=n_outputs)))
+    return _Frame(before, behind, entries(frozen((*before, output_of, *behind))))
+
+
+def _compile_list(listed: tuple[Rule, ...], numbering: _Numbering) -> list[_Listed]:
+    known = numbering.listed.get_each(listed)
+    return [
+        found or _compile_rule(rule, numbering, f"rules.list[{number}]")
+        for number, (rule, found) in enumerate(zip(listed, known, strict=True))
+    ]
+
+
+def _compile_rule(rule: Rule, numbering: _Numbering, path: str) -> _Listed:
+    known = numbering.consequent
+    for consequent in rule.consequents:
+        if (consequent.variable, consequent.term) not in known:
+            raise InvalidSystemError(f"no output term '{consequent.variable} is {consequent.term}'", path)
+    program = _joined_by_all(_program(rule.antecedent, numbering.antecedent, path), numbering.n_inputs)
+    terms = tuple(known[consequent.variable, consequent.term] for consequent in rule.consequents)
+    compiled = _Listed(tuple(program), terms)
+    numbering.listed.put(compiled, rule)
+    return compiled
 
 
 def _joined_by_all(program: list[int], inputs: int) -> list[int]:
@@ -171,21 +242,3 @@ def _program(expression: Expression, known: Names, path: str) -> list[int]:
             return words
         case _:
             assert_never(expression)
-
-
-def _consequents(rule: Rule, known: Names, path: str) -> list[int]:
-    for consequent in rule.consequents:
-        if (consequent.variable, consequent.term) not in known:
-            raise InvalidSystemError(f"no output term '{consequent.variable} is {consequent.term}'", path)
-    return [known[consequent.variable, consequent.term] for consequent in rule.consequents]
-
-
-@functools.lru_cache(maxsize=KEPT)
-def _term_numbers(variables: tuple[Input | Output, ...]) -> Names:
-    keys = [(variable.name, term.name) for variable in variables for term in variable.terms]
-    return {key: number for number, key in enumerate(keys)}
-
-
-@functools.lru_cache(maxsize=KEPT)
-def _output_of_term(outputs: tuple[Output, ...]) -> Integers:
-    return integers([number for number, variable in enumerate(outputs) for _ in variable.terms])

@@ -12,9 +12,9 @@ from fuzzy.conversion import converted
 from fuzzy.edits.access import changed, find, mapped_rule, path_of, term_number
 from fuzzy.edits.terms import add_term
 from fuzzy.errors import InvalidSystemError
+from fuzzy.limits import MAX_NAME, MAX_TERMS
 from fuzzy.shapes import Shape, Trapezoid, Triangle
 from fuzzy.system import FuzzySystem, Input, Is, RuleBase, RuleTable, Term, Variable
-from fuzzy.validation import MAX_NAME, MAX_TERMS
 
 SCHEMES: dict[int, tuple[str, ...]] = {
     2: ("N", "P"),

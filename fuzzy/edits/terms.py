@@ -10,10 +10,10 @@ from msgspec.structs import replace
 from fuzzy import conversion, partition, shapes
 from fuzzy.edits.access import changed, find, mapped_cells, mapped_rule, path_of, term_number
 from fuzzy.errors import InvalidSystemError, expected
-from fuzzy.invariants import validate_shape
 from fuzzy.rules import all_rules, propositions
 from fuzzy.shapes import Linear, Shape, Triangle
 from fuzzy.system import FuzzySystem, Is, Output, RuleBase, Term
+from fuzzy.validation.shapes import validate_shape
 
 MoveMode = Literal["free", "partition"]
 """How a point moves: alone, or with its neighbours' points so that the degrees keep the sum 1."""

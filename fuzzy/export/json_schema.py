@@ -12,8 +12,7 @@ from typing import Any
 from fuzzy import shapes
 from fuzzy import system as document
 from fuzzy.formats.yaml import OPERATOR_KEYS
-from fuzzy.system import SCHEMA, Inference
-from fuzzy.validation import (
+from fuzzy.limits import (
     MAX_NAME,
     MAX_NOTES,
     MAX_OUTPUT_TERMS,
@@ -23,6 +22,7 @@ from fuzzy.validation import (
     MAX_VARIABLES,
     MIN_POINTS,
 )
+from fuzzy.system import SCHEMA, Inference
 
 _NAME = {"type": "string", "minLength": 1, "maxLength": MAX_NAME}
 _NUMBER = {"type": "number"}

@@ -16,6 +16,7 @@ from fuzzy.formats import yaml_values as values
 from fuzzy.formats.assembly import Imported
 from fuzzy.formats.yaml_tree import Node
 from fuzzy.language import parse_rule
+from fuzzy.limits import MAX_RULES
 from fuzzy.shapes import Shape
 from fuzzy.system import (
     SCHEMA,
@@ -30,7 +31,7 @@ from fuzzy.system import (
     Sampling,
     Term,
 )
-from fuzzy.validation import MAX_RULES, validate
+from fuzzy.validation import validate
 
 OPERATOR_KEYS = {
     "and": "conjunction",

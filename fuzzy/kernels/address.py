@@ -16,7 +16,15 @@ from numba.np.arrayobj import make_array, populate_array
 from numpy.typing import NDArray
 
 from fuzzy.kernels.jit import JIT, PROTOTYPE, inlined_kernel
-from fuzzy.kernels.tables import InputTables, Integers, OutputTables, RuleTables, Tables, Workspace
+from fuzzy.kernels.tables import (
+    InputTables,
+    Integers,
+    OutputTables,
+    RuleTables,
+    Tables,
+    Workspace,
+    new_workspace,
+)
 
 _INPUTS = 1
 _RULES = _INPUTS + len(InputTables._fields)
@@ -46,17 +54,17 @@ class Directory(NamedTuple):
         return self.entries.ctypes.data
 
 
-def directory(tables: Tables, workspace: Workspace, defuzzifiers: Sequence[int]) -> Directory:
-    """List all arrays that an inference needs.
+def directory(tables: Tables, defuzzifiers: Sequence[int]) -> Directory:
+    """List all arrays that an inference needs, a new workspace among them.
 
     Args:
         tables: A compiled system.
-        workspace: One of its workspaces.
         defuzzifiers: Address of the kernel that defuzzifies, for each output.
     """
     addresses = np.array(defuzzifiers, dtype=np.int64)
+    workspace, listed_workspace = new_workspace(tables)
     listed = Directory(
-        np.concatenate([entries([addresses]), tables.entries, entries(workspace)]), addresses, tables, workspace
+        np.concatenate([entries([addresses]), tables.entries, listed_workspace]), addresses, tables, workspace
     )
     if not JIT:
         _PLAIN_ARRAYS[listed.address] = (addresses, *tables.inputs, *tables.rules, *tables.outputs, *workspace)

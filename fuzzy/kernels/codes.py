@@ -65,6 +65,9 @@ POLYGON_BISECTOR = 15
 POLYGON_MAXIMA = 16
 """Methods of an output: the polygon through samples and the points where sets are clipped, as scikit-fuzzy does."""
 
+CURVED = frozenset({QUADRATURE, CURVED_BISECTOR, CURVED_MAXIMA})
+"""Methods that follow the bends of curved sets."""
+
 MEAN = 0
 SMALLEST = 1
 LARGEST = 2

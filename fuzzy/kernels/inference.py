@@ -1,5 +1,6 @@
 """One inference: fuzzify, fire, aggregate, defuzzify. Control, pictures and exports all call ``evaluate``."""
 
+import functools
 import math
 
 from fuzzy.kernels import defuzzify, firing, membership
@@ -51,6 +52,7 @@ def call(address, inputs):
     return workspace.output[0]
 
 
+@functools.cache
 def compiled_call(n_inputs: int) -> Kernel:
     """Return ``call`` compiled for this number of inputs."""
     return compiled_for(call, 0, (0.0,) * n_inputs)

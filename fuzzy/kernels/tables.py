@@ -1,5 +1,7 @@
 """The compiled form of a fuzzy system: arrays, in which every name has become an index."""
 
+import functools
+import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -115,33 +117,54 @@ class Workspace(NamedTuple):
     scratch: Numbers  # (n_scratch,)
 
 
-def new_workspace(tables: Tables) -> Workspace:
-    """Return a workspace for one thread that evaluates ``tables``; its outputs start with their no-fire values."""
+_INTEGERS = frozenset({"active", "active_count", "fired", "fired_count", "member", "member_count", "undefined"})
+"""Fields of ``Workspace`` that hold integers."""
+
+
+def new_workspace(tables: Tables) -> tuple[Workspace, Integers]:
+    """Return a workspace for one thread that evaluates ``tables``; its outputs start with their no-fire values.
+
+    Its arrays are parts of one block, so that there is one address to ask for.
+
+    Returns:
+        The workspace, and (n_arrays, 3) its entries in a directory, see ``fuzzy.kernels.address``.
+    """
+    parts, entries, length = _layout(_lengths(tables))
+    block = np.zeros(length)
+    whole = {False: block, True: block.view(np.int64)}
+    workspace = Workspace(*(whole[is_integer][part] for part, is_integer in parts))
+    workspace.output[:] = tables.outputs.no_fire_value
+    workspace.gain[:] = 1.0
+    entries = entries.copy()
+    entries[:, 0] += block.ctypes.data
+    return workspace, entries
+
+
+def _lengths(tables: Tables) -> tuple[int, ...]:
+    """Return the lengths of the arrays of ``Workspace``, in their order."""
     inputs, rules, outputs, _ = tables
     n_in, n_out, n_input_terms = len(inputs.range), len(outputs.range), int(inputs.term_start[-1])
     n_rules, n_consequents = rules.consequent_start.size - 1, rules.consequent_term.size
     n_terms = outputs.shape.size
     # Places where an envelope may bend within an interval, three for each pair of sets; or the lines of all members and
     # their bends; or a quadrature's account, with all points where a member may bend twice.
-    n_points = int(outputs.parameter[outputs.shape == codes.POINTS, 1].max(initial=0.0))
-    n_bends = 2 * (n_consequents + 1) * max(codes.MOST_BENDS, 2 * n_points)
-    n_scratch = max(3 * (n_terms + 1) ** 2, 8 * (n_consequents + 8), 8 * (n_bends + 32))
-    return Workspace(
-        input=np.zeros(n_in),
-        clamped=np.zeros(n_in),
-        output=outputs.no_fire_value.copy(),
-        membership=np.zeros(n_input_terms),
-        active=np.zeros(n_input_terms, dtype=np.int64),
-        active_count=np.zeros(n_in, dtype=np.int64),
-        strength=np.zeros(n_rules),
-        fired=np.zeros(n_rules, dtype=np.int64),
-        fired_count=np.zeros(1, dtype=np.int64),
-        height=np.zeros(n_terms),
-        member=np.zeros(n_consequents, dtype=np.int64),
-        level=np.zeros(n_consequents),
-        member_count=np.zeros(n_out, dtype=np.int64),
-        gain=np.ones(n_out),
-        undefined=np.zeros(n_out, dtype=np.int64),
-        stack=np.zeros(rules.program.size + 1),
-        scratch=np.zeros(n_scratch),
-    )
+    n_scratch = max(3 * (n_terms + 1) ** 2, 8 * (n_consequents + 8))
+    if not codes.CURVED.isdisjoint(outputs.method.tolist()):
+        n_points = int(outputs.parameter[outputs.shape == codes.POINTS, 1].max(initial=0.0))
+        n_bends = 2 * (n_consequents + 1) * max(codes.MOST_BENDS, 2 * n_points)
+        n_scratch = max(n_scratch, 8 * (n_bends + 32))
+    of_inputs = (n_in, n_in, n_out, n_input_terms, n_input_terms, n_in)
+    of_outputs = (n_terms, n_consequents, n_consequents, n_out, n_out, n_out)
+    return (*of_inputs, n_rules, n_rules, 1, *of_outputs, rules.program.size + 1, n_scratch)
+
+
+@functools.lru_cache(maxsize=64)
+def _layout(lengths: tuple[int, ...]) -> tuple[list[tuple[slice, bool]], Integers, int]:
+    """Return each array's part of the block and whether it holds integers, the entries from address 0, the length."""
+    ends = list(itertools.accumulate(lengths))
+    begins = [0, *ends[:-1]]
+    parts = [
+        (slice(begin, end), name in _INTEGERS) for name, begin, end in zip(Workspace._fields, begins, ends, strict=True)
+    ]
+    entries = np.array([(8 * begin, length, 1) for begin, length in zip(begins, lengths, strict=True)])
+    return parts, entries, ends[-1]

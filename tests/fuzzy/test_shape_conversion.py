@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from fuzzy import conversion, edits, formats, motion, shapes
 from fuzzy.errors import InvalidSystemError
-from fuzzy.invariants import validate_shape
 from fuzzy.shapes import Gaussian, Shape, Singleton, Trapezoid, Triangle
+from fuzzy.validation.shapes import validate_shape
 from tests import plain
 
 _KINDS = [shapes.kind(shape) for shape in shapes.SHAPES]

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from fuzzy import sets, shapes
 from fuzzy.errors import InvalidSystemError
-from fuzzy.invariants import validate_shape
 from fuzzy.shapes import Gaussian, Shape, Trapezoid, Triangle
+from fuzzy.validation.shapes import validate_shape
 from tests import plain, reference, strategies
 
 INF = math.inf

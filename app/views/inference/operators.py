@@ -15,9 +15,9 @@ from app.views.inference.formulas import lines
 from app.views.inference.policies import PoliciesView
 from app.widgets import div, on_input
 from fuzzy import edits
+from fuzzy.limits import MAX_POINTS, MIN_POINTS
 from fuzzy.operators import COMPOSITIONS
 from fuzzy.system import Aggregation, Defuzzifier, Implication, Sampling, SamplingRule, SNorm, TNorm
-from fuzzy.validation import MAX_POINTS, MIN_POINTS
 
 _OTHER = "other"
 _COMPOSITIONS = {

@@ -14,8 +14,8 @@ from app.store import Shown, Store
 from app.views.membership.choice import chosen, digits, is_shown_as
 from app.widgets import on_input, put
 from fuzzy import edits
+from fuzzy.limits import MAX_TERMS
 from fuzzy.system import Variable
-from fuzzy.validation import MAX_TERMS
 
 _SPACED = ("triangle", "trapezoid", "gaussian", "singleton")
 """Shapes of evenly spaced terms."""

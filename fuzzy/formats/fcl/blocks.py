@@ -9,8 +9,8 @@ from fuzzy.formats.assembly import Notes, unique
 from fuzzy.formats.fcl.terms import read_term
 from fuzzy.formats.fcl.tokens import Cursor
 from fuzzy.formats.rule_text import Token
+from fuzzy.limits import MAX_OUTPUT_TERMS, MAX_RULES, MAX_VARIABLES
 from fuzzy.system import NoFire, Term
-from fuzzy.validation import MAX_OUTPUT_TERMS, MAX_RULES, MAX_VARIABLES
 
 _TYPES = frozenset({"REAL", "LREAL", "INT", "DINT", "SINT", "LINT", "UINT"})
 _OTHER_VARIABLES = ("VAR", "VAR_IN_OUT", "VAR_TEMP", "VAR_GLOBAL", "VAR_EXTERNAL")

@@ -20,9 +20,9 @@ from fuzzy.formats.fcl.tokens import Cursor, tokenize
 from fuzzy.formats.fll import words as fuzzylite
 from fuzzy.formats.rule_text import Dialect, ParsedRule, RuleReader, Token
 from fuzzy.formats.source import Source
+from fuzzy.limits import MAX_RULES
 from fuzzy.shapes import Linear, Singleton
 from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Inference, Input, NoFire, Output, Sampling
-from fuzzy.validation import MAX_RULES
 
 _FUZZYLITE = re.compile(r"\s*(?://|#|\(\*|/\*).{0,80}fuzzylite", re.IGNORECASE)
 _DIALECTS = {

@@ -15,9 +15,9 @@ from fuzzy.formats.fis import words
 from fuzzy.formats.fis.rules import read_rules
 from fuzzy.formats.fis.sections import Line, Section, missing, quoted, read_sections
 from fuzzy.formats.source import Source, number
+from fuzzy.limits import MAX_OUTPUT_TERMS, MAX_VARIABLES
 from fuzzy.shapes import MAX_POINTS, Linear, Points, Shape, Singleton
 from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Inference, Input, NoFire, Output, Sampling, Term
-from fuzzy.validation import MAX_OUTPUT_TERMS, MAX_VARIABLES
 
 _MEMBERSHIP = re.compile(r"(['\"])(?P<name>.*)\1\s*:\s*(['\"])(?P<kind>[^'\"]*)\3\s*,\s*\[(?P<numbers>[^\]]*)\]")
 _WORD = re.compile(r"[^\s,;]+")

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from fuzzy.errors import FormatError, shown
 from fuzzy.formats.source import Source
-from fuzzy.validation import MAX_OUTPUT_TERMS, MAX_RULES, MAX_VARIABLES
+from fuzzy.limits import MAX_OUTPUT_TERMS, MAX_RULES, MAX_VARIABLES
 
 _HEAD = re.compile(r"\[\s*([A-Za-z]+?)\s*(\d{0,6})\s*\]")
 _ENTRY = re.compile(r"([A-Za-z_]\w*)\s*=\s*(.*)", re.ASCII)

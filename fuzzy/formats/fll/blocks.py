@@ -10,8 +10,8 @@ from fuzzy.errors import expected, shown
 from fuzzy.formats.assembly import Notes, unique
 from fuzzy.formats.rule_text import Token
 from fuzzy.formats.source import Source, number
+from fuzzy.limits import MAX_OUTPUT_TERMS, MAX_RULES, MAX_VARIABLES
 from fuzzy.shapes import MAX_POINTS
-from fuzzy.validation import MAX_OUTPUT_TERMS, MAX_RULES, MAX_VARIABLES
 
 _BLOCKS = ("Engine", "InputVariable", "OutputVariable", "RuleBlock")
 _KEYS = {

@@ -19,8 +19,8 @@ from fuzzy.formats.fll import words
 from fuzzy.formats.fll.blocks import Block, blocks_of, is_true, named, numbers, split
 from fuzzy.formats.rule_text import Dialect, ParsedRule, RuleReader, Token
 from fuzzy.formats.source import Source, number
+from fuzzy.limits import MAX_RULES
 from fuzzy.system import WEIGHTED_VALUES, FuzzySystem, Inference, Input, NoFire, Output, Sampling, Term
-from fuzzy.validation import MAX_RULES
 
 _TOKEN = re.compile(r"[(),]|[^\s(),]+")
 _RESOLUTION = 1000

@@ -10,8 +10,8 @@ from fuzzy.formats.fml import words
 from fuzzy.formats.fml.agreement import Agreement
 from fuzzy.formats.fml.tree import Element
 from fuzzy.formats.fml.variables import Variables
+from fuzzy.limits import MAX_RULES
 from fuzzy.system import And, Expression, Hedged, Input, Is, Not, Or, Output, Rule
-from fuzzy.validation import MAX_RULES
 
 
 class Rules:

@@ -10,9 +10,9 @@ from fuzzy.formats.fml import words
 from fuzzy.formats.fml.agreement import Agreement
 from fuzzy.formats.fml.tree import Element
 from fuzzy.formats.source import number
+from fuzzy.limits import MAX_OUTPUT_TERMS, MAX_VALUE, MAX_VARIABLES
 from fuzzy.shapes import Linear, Points, Shape, Singleton
 from fuzzy.system import Input, NoFire, Output, Term
-from fuzzy.validation import MAX_OUTPUT_TERMS, MAX_VALUE, MAX_VARIABLES
 
 
 class Variables:
