@@ -14,7 +14,7 @@ from typing import Any
 import viser
 
 from app.palette import GRID, MARK, MUTED, SURFACE, TEXT, css, ink, term_color
-from app.widgets import FONT, element_id, escape
+from app.widgets import FONT, element_id, escape, put
 
 GAP = 4
 """Pixels between cells."""
@@ -41,23 +41,36 @@ class HiddenButtons:
         gui: Where they are added; in the present container.
         labels: What screen readers say, one a button.
         on_press: Called with the number of the button that was pressed, on the event loop.
+
+    Attributes:
+        ids: Of the buttons' elements in the page.
     """
 
     def __init__(self, gui: viser.GuiApi, labels: Sequence[str], on_press: Callable[[int], None]) -> None:
+        self._gui = gui
+        self._on_press = on_press
         self._folder = gui.add_folder(None)
         with self._folder:
-            self._buttons = [gui.add_button(label) for label in labels]
-            ids = [element_id(button) for button in self._buttons]
-            selector = ",".join(f'[id="{name}"]' for name in ids)
-            hidden = "position:fixed;width:1px;height:1px;overflow:hidden;opacity:0;pointer-events:none"
-            gui.add_html(f"<style>div:has(> :is({selector})){{{hidden}}}</style>")
-        for number, button in enumerate(self._buttons):
-            button.on_click(_presser(on_press, number))
-        self.ids = ids
+            self._style = gui.add_html("")
+        self._buttons: list[viser.GuiButtonHandle] = []
+        self.ids: list[str] = []
+        self.relabel(labels)
 
-    def remove(self) -> None:
-        """Take the buttons out of the page."""
-        self._folder.remove()
+    def relabel(self, labels: Sequence[str]) -> None:
+        """Give the buttons other labels, and add or remove some at the end until there are as many."""
+        for button, label in zip(self._buttons, labels, strict=False):
+            put(button, label=label)
+        for button in self._buttons[len(labels) :]:
+            button.remove()
+        with self._folder:
+            added = [self._gui.add_button(label) for label in labels[len(self._buttons) :]]
+        for number, button in enumerate(added, len(self._buttons)):
+            button.on_click(_presser(self._on_press, number))
+        self._buttons = [*self._buttons[: len(labels)], *added]
+        self.ids = [element_id(button) for button in self._buttons]
+        selector = ",".join(f'[id="{name}"]' for name in self.ids)
+        hidden = "position:fixed;width:1px;height:1px;overflow:hidden;opacity:0;pointer-events:none"
+        self._style.content = f"<style>div:has(> :is({selector})){{{hidden}}}</style>"
 
 
 def _presser(on_press: Callable[[int], None], number: int) -> Callable[[viser.GuiEvent[Any]], Any]:

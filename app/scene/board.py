@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from app.runner import Frame
 from app.scene.stage import BOARD, SIDE, shares_to_floor
 from app.state import AppState
 from app.store import Shown, Store
+from app.widgets import put
 from fuzzy import edits
 from fuzzy.system import Variable
 
@@ -64,7 +64,10 @@ class BoardView:
         key = (rows.name, _names(rows), columns.name, _names(columns))
         is_new = key != self._key
         if is_new:
-            self._build(rows, columns)
+            if self._key is None or [len(names) for names in key[1::2]] != [len(names) for names in self._key[1::2]]:
+                self._build(rows, columns)
+            else:
+                self._rename(rows, columns)
             self._key = key
         self._set_visible(True)
         names = _names(output)
@@ -114,20 +117,24 @@ class BoardView:
         )  # fmt: skip
         self._tiles.on_click(self._clicked)
         self._labels = [
-            *self._name_side("row", _names(rows), rows.name, along_rows=True),
-            *self._name_side("column", _names(columns), columns.name, along_rows=False),
+            *self._name_side("row", rows, along_rows=True),
+            *self._name_side("column", columns, along_rows=False),
         ]
 
-    def _name_side(self, side: str, names: Sequence[str], variable: str, *, along_rows: bool) -> list[Any]:
+    def _rename(self, rows: Variable, columns: Variable) -> None:
+        """Change the names alone: 17 labels that are made anew take longer than all else that an edit changes."""
+        texts = [*_texts(rows), *_texts(columns)]
+        for label, text in zip(self._labels, texts, strict=True):
+            put(label, text=text)
+
+    def _name_side(self, side: str, variable: Variable, *, along_rows: bool) -> list[Any]:
         """Add the terms' names along a side, and the variable's beyond their end."""
-        count = len(names)
-        shares = [(k + 0.5) / count for k in range(count)] if count <= _MOST_LABELS else []
+        texts = _texts(variable)
+        shares = [(k + 0.5) / (len(texts) - 1) for k in range(len(texts) - 1)]
         margin = -_LABEL_DISTANCE / SIDE
         places = [(share, margin) if along_rows else (margin, share) for share in shares]
-        texts = list(names) if shares else []
         end = 1.0 + 1.4 * _LABEL_DISTANCE / SIDE
         places.append((end, margin) if along_rows else (margin, end))
-        texts.append(variable)
         floor = shares_to_floor(np.array(places), BOARD)
         return [
             self._scene.add_label(
@@ -147,6 +154,12 @@ class BoardView:
         edit = None if number is None else painted(state, number)
         if edit is not None:
             self._store.dispatch(edit)
+
+
+def _texts(variable: Variable) -> list[str]:
+    """Return what is written along a side: the terms' names unless they are too many, and the variable's."""
+    names = _names(variable)
+    return [*(names if len(names) <= _MOST_LABELS else ()), variable.name]
 
 
 def _names(variable: Variable) -> tuple[str, ...]:

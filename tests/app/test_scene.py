@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import io
 from collections.abc import Callable, Coroutine, Iterator
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -148,6 +149,18 @@ def test_tiles_rise_with_what_fires_and_are_as_many_as_cells(stage: Stage, resul
     np.testing.assert_allclose((heights - heights.min()) / 0.05, shown.strength.round(2), atol=1e-5)
     stage.dispatch(Edit("fewer", lambda system: edits.remove_term(system, "e", "NB")))
     assert len(stage.node("/board/tiles").batched_scales) == 42
+
+
+def test_names_on_the_board_follow_a_renaming(stage: Stage) -> None:
+    label, tiles = stage.node("/board/row/0"), stage.node("/board/tiles")
+    assert label.text == "NB"
+    stage.dispatch(
+        Edit("rename", partial(edits.rename_term, variable="e", term="NB", name="far left")),
+        Edit("rename", partial(edits.rename_variable, variable="e", name="error")),
+    )
+    assert stage.node("/board/row/0") is label
+    assert stage.node("/board/tiles") is tiles
+    assert (label.text, stage.node("/board/row/7").text) == ("far left", "error")
 
 
 def test_tiles_have_the_colours_of_what_they_conclude(stage: Stage) -> None:

@@ -518,7 +518,9 @@ def test_a_table_of_another_size_gets_as_many_buttons(screen: Screen) -> None:
 
 
 def test_buttons_are_named_after_the_terms_that_they_paint(screen: Screen) -> None:
+    before = screen.find("NB, FL")
     screen.dispatch(Edit("rename", partial(edits.rename_term, variable="e", term="NB", name="far left")))
+    assert screen.find("far left, FL") is before, "the keyboard's focus stays where it is"
     screen.send(screen.find("brush LR"), True)
     state = screen.send(screen.find("far left, FL"), True)
     assert edits.rule_table(state.document).cells[0][0] == "LR"

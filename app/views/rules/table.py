@@ -41,12 +41,9 @@ class RulesView:
     """
 
     def __init__(self, gui: viser.GuiApi, store: Store) -> None:
-        self._gui = gui
         self._store = store
         self._terms: tuple[tuple[str, ...], ...] = ()
         self._numbers = np.empty((0, 0), dtype=np.int64)
-        self._brush_buttons: grid.HiddenButtons | None = None
-        self._cell_buttons: grid.HiddenButtons | None = None
         gui.add_html(grid.BASE_STYLE)
         axes = AxesView(gui, store)
         self._style = gui.add_html("")
@@ -65,7 +62,8 @@ class RulesView:
         usage = UsageView(gui)
         findings = FindingsView(gui, store)
         self._list = RuleListView(gui, store)
-        self._hidden = gui.add_folder(None)
+        self._brush_buttons = grid.HiddenButtons(gui, (), self._choose)
+        self._cell_buttons = grid.HiddenButtons(gui, (), self._paint)
         self.views: tuple[View, ...] = (self, axes, usage, findings, self._list)
 
     def shows(self, state: AppState) -> Shown:
@@ -85,8 +83,6 @@ class RulesView:
             return
         rows, columns, output = grid_variables(state.document, shown)
         self._ensure_buttons(rows, columns, output)
-        assert self._brush_buttons is not None
-        assert self._cell_buttons is not None
         names = [term.name for term in output.terms]
         chosen = names.index(state.brush) if state.brush is not None else len(names)
         self._brush.content = grid.brush_html(names, self._brush_buttons.ids, chosen)
@@ -118,19 +114,13 @@ class RulesView:
         self._glow.content = grid.glow_html(strengths.round(2).tolist(), silent.tolist(), marked)
 
     def _ensure_buttons(self, rows: Variable, columns: Variable, output: Variable) -> None:
-        """Make a hidden button for every cell and brush, named after the terms."""
+        """Let there be a hidden button for every cell and brush, named after the terms."""
         terms = tuple(tuple(term.name for term in variable.terms) for variable in (rows, columns, output))
         if terms == self._terms:
             return
         self._terms = terms
-        for buttons in (self._brush_buttons, self._cell_buttons):
-            if buttons is not None:
-                buttons.remove()
-        with self._hidden:
-            brushes = [f"brush {term.name}" for term in output.terms] + ["brush no rule"]
-            self._brush_buttons = grid.HiddenButtons(self._gui, brushes, self._choose)
-            cells = [f"{row.name}, {column.name}" for row in rows.terms for column in columns.terms]
-            self._cell_buttons = grid.HiddenButtons(self._gui, cells, self._paint)
+        self._brush_buttons.relabel([*(f"brush {term.name}" for term in output.terms), "brush no rule"])
+        self._cell_buttons.relabel([f"{row.name}, {column.name}" for row in rows.terms for column in columns.terms])
         self._style.content = grid.focus_html(self._cell_buttons.ids, len(columns.terms))
 
     def _choose(self, number: int) -> None:
