@@ -26,8 +26,9 @@ MAXIMUM = {
 SETLESS = WEIGHTED_VALUES | {"height"}
 """Defuzzifiers that need no set."""
 
-_STRAIGHT_IMPLICATIONS = frozenset(IMPLICATION) - {"einstein_product", "hamacher_product"}
-_STRAIGHT_AGGREGATIONS = frozenset({"max", "sum", "bounded_sum", "min"})
+STRAIGHT_IMPLICATIONS = frozenset(IMPLICATION) - {"einstein_product", "hamacher_product"}
+STRAIGHT_AGGREGATIONS = frozenset({"max", "sum", "bounded_sum", "min"})
+"""Operators of which straight lines consist of straight pieces again."""
 
 
 class Traits(NamedTuple):
@@ -68,8 +69,8 @@ def method(inference: Inference, traits: Traits) -> int:
         return codes.WEIGHTED_SUM if defuzzifier == "weighted_sum" else codes.WEIGHTED_AVERAGE
     is_straight = (
         traits.is_linear
-        and inference.implication in _STRAIGHT_IMPLICATIONS
-        and aggregation(inference) in _STRAIGHT_AGGREGATIONS
+        and inference.implication in STRAIGHT_IMPLICATIONS
+        and aggregation(inference) in STRAIGHT_AGGREGATIONS
     )
     resolution = inference.resolution
     is_polygon = isinstance(resolution, Sampling) and resolution.rule == "polygon"

@@ -128,7 +128,7 @@ def _source(system: FuzzySystem, name: str, stem: str, body: c_table.Body, notes
         f"#define C(x) {'x##f' if is_single else '(x)'}",
     ]
     if needs_library(code):
-        head.append(f"#define M(f) {'f##f' if is_single else 'f'}")
+        head.append(f"#define M(name) {'name##f' if is_single else 'name'}")
     if "BIG" in code:
         head.append(f"#define BIG C({'3.4e38' if is_single else '1e300'})")
     return "\n".join(head) + "\n" + code

@@ -1,6 +1,6 @@
 """C functions for shapes, norms and hedges; only those that a system uses are written.
 
-Every formula is the kernel's, so that both give the same numbers. ``REAL`` is double or float, ``M(f)`` the function
+Every formula is the kernel's, so that both give the same numbers. ``REAL`` is double or float, ``M(name)`` the function
 of the C library for it, ``C(x)`` a constant.
 """
 
@@ -125,11 +125,20 @@ S_NORMS = {
     "bounded_sum": "return a + b < C(1.0) ? a + b : C(1.0);",
     "drastic_sum": "return a <= C(0.0) ? b : b <= C(0.0) ? a : C(1.0);",
     "einstein_sum": "return (a + b) / (C(1.0) + a * b);",
-    "hamacher_sum": "return a * b < C(1.0) ? (a + b - C(2.0) * a * b) / (C(1.0) - a * b) : C(1.0);",
+    "hamacher_sum": (
+        "REAL rest = C(1.0) - a * b;\n    return rest > C(0.0) ? (a * (C(1.0) - b) + b * (C(1.0) - a)) / rest : C(1.0);"
+    ),
     "nilpotent_maximum": "return a + b < C(1.0) ? (a > b ? a : b) : C(1.0);",
     "sum": "return a + b;",
 }
 """Bodies of f(a, b)."""
+
+IMPLICATIONS = T_NORMS | {
+    "bounded_sum": S_NORMS["bounded_sum"],
+    "algebraic_sum": S_NORMS["algebraic_sum"],
+    "kleene_dienes": "return C(1.0) - a > b ? C(1.0) - a : b;",
+}
+"""Bodies of f(firing strength, degree)."""
 
 HEDGES = {
     "very": "return a * a;",

@@ -10,8 +10,9 @@ from fuzzy import geometry, sets, shapes
 from fuzzy.compiler import methods
 from fuzzy.compiler.outputs import compile_outputs, no_fire_value
 from fuzzy.errors import InvalidSystemError
-from fuzzy.export import standalone
-from fuzzy.kernels import codes
+from fuzzy.export import standalone, standalone_lines
+from fuzzy.export.kernel_source import python_source
+from fuzzy.kernels import codes, exact, linear, norms, pieces
 from fuzzy.rules import all_rules
 from fuzzy.shapes import Linear
 from fuzzy.system import And, Expression, FuzzySystem, Hedged, Is, Not, Or, Output, Sampling, Term
@@ -31,6 +32,8 @@ def python_file(system: FuzzySystem) -> str:
     outputs = ", ".join(entry.name for entry in system.outputs)
     title = f"A fuzzy controller, written by the fuzzy workbench: {_plain(names)} -> {_plain(outputs)}."
     source = inspect.getsource(standalone).partition('"""\n')[2].lstrip("\n")
+    if '"straight"' in tables or "'straight'" in tables:
+        source += _straight()
     return (
         f'"""{title}"""\n\n{source}\n\ninf, nan = math.inf, math.nan\n\nSYSTEM = {tables}\n\n\n'
         "def controller(*inputs, last=None):\n"
@@ -38,6 +41,14 @@ def python_file(system: FuzzySystem) -> str:
         "    outputs = evaluate(SYSTEM, inputs, last)\n"
         "    return outputs[0] if len(outputs) == 1 else outputs\n"
     )
+
+
+def _straight() -> str:
+    """Return the text of what aggregates of straight lines need: kernels, and what calls them."""
+    kernels = [linear.add_bend, linear.imply, linear.join, norms.bend_level, exact.sort, pieces.begin, pieces.top]
+    driver = inspect.getsource(standalone_lines)
+    driver = driver[driver.index("AREA, HALF, TOP") :]
+    return f'\n\n{python_source(kernels)}\n\n\n{driver}\n\nMETHODS["straight"] = straight\n'
 
 
 def _plain(text: str) -> str:
@@ -81,22 +92,36 @@ def _output(system: FuzzySystem, number: int) -> dict[str, Any]:
     if not found["limits"]:
         method = "weighted_sum" if inference.defuzzifier == "weighted_sum" else "weighted_average"
         return found | {"method": method, "values": _values(system, number)}
-    if inference.defuzzifier not in ("centroid", "center_of_sums"):
-        raise _refused(f"defuzzifier '{inference.defuzzifier}'", "inference.defuzzifier")
+    is_centroid = inference.defuzzifier in ("centroid", "center_of_sums")
     joined = methods.aggregation(inference)
     if isinstance(inference.resolution, Sampling):
         if inference.resolution.rule == "polygon":
             raise _refused("centroid of a polygon", "inference.resolution.rule")
-        if inference.implication not in standalone.T_NORMS or joined not in standalone.S_NORMS:
-            raise _refused(f"'{inference.implication}' with '{joined}'", "inference")
+        if not is_centroid:
+            raise _refused(f"defuzzifier '{inference.defuzzifier}' over samples", "inference.defuzzifier")
+        if joined not in standalone.S_NORMS:
+            raise _refused(f"aggregation '{joined}' over samples", "inference.aggregation")
         tables, _ = compile_outputs(system.outputs, inference)
         places = tables.sample[tables.sample_start[number] : tables.sample_start[number + 1]]
         terms = [_term(term) for term in output.terms]
         return found | {"method": "sampled", "terms": terms, "samples": places.tolist()}
     is_straight = all(map(sets.is_linear, output.terms))
-    if not (is_straight and inference.implication in ("min", "product") and joined in ("max", "sum")):
-        raise _refused("exact centroid of these sets and operators", "inference.resolution")
-    return found | {"method": "exact", "intervals": _intervals(output)}
+    if is_centroid and is_straight and inference.implication in ("min", "product") and joined in ("max", "sum"):
+        return found | {"method": "exact", "intervals": _intervals(output)}
+    is_said = inference.implication in methods.STRAIGHT_IMPLICATIONS and joined in methods.STRAIGHT_AGGREGATIONS
+    if not (is_straight and is_said):
+        raise _refused("exact result of these sets and operators", "inference.resolution")
+    implication = methods.IMPLICATION[inference.implication]
+    return found | {
+        "method": "straight",
+        "intervals": _intervals(output),
+        "implication": implication,
+        "aggregation": methods.AGGREGATION[joined],
+        "bends_twice": implication == norms.NILPOTENT_MINIMUM,
+        "least": 0.0 if implication <= norms.PRODUCT else linear.ROUNDING,
+        "halves": inference.defuzzifier == "bisector",
+        "which": methods.MAXIMUM.get(inference.defuzzifier, -1),
+    }
 
 
 def _values(system: FuzzySystem, number: int) -> list[float | tuple[float, ...]]:

@@ -88,10 +88,16 @@ S_NORMS = {
     "drastic_sum": lambda a, b: np.where(np.minimum(a, b) <= 0.0, np.maximum(a, b), 1.0),
     "einstein_sum": lambda a, b: (a + b) / (1.0 + a * b),
     "hamacher_sum": lambda a, b: np.where(
-        a * b < 1.0, (a + b - 2.0 * a * b) / np.where(a * b < 1.0, 1.0 - a * b, 1.0), 1.0
+        a * b < 1.0, (a * (1.0 - b) + b * (1.0 - a)) / np.where(a * b < 1.0, 1.0 - a * b, 1.0), 1.0
     ),
     "nilpotent_maximum": lambda a, b: np.where(np.minimum(a, b) < 1.0 - np.maximum(a, b), np.maximum(a, b), 1.0),
     "sum": lambda a, b: a + b,
+}
+
+IMPLICATIONS = T_NORMS | {
+    "bounded_sum": S_NORMS["bounded_sum"],
+    "algebraic_sum": S_NORMS["algebraic_sum"],
+    "kleene_dienes": lambda w, a: np.maximum(1.0 - w, a),
 }
 
 HEDGES = {
@@ -148,7 +154,7 @@ def sampled(system, output, members):
     u, weight = np.array(output["samples"]).T
     total = np.zeros(u.size)
     for strength, term in members:
-        implied = T_NORMS[system["implication"]](strength, degree(output["terms"][term], u))
+        implied = IMPLICATIONS[system["implication"]](strength, degree(output["terms"][term], u))
         total = S_NORMS[system["aggregation"]](total, implied)
     total = total * weight
     middle = 0.5 * (output["low"] + output["high"])
@@ -186,6 +192,10 @@ def exact(system, output, members):
     return middle + moment / area if area > 0.0 else None
 
 
+METHODS = {"sampled": sampled, "exact": exact}
+"""Defuzzifiers over sets: f(system, output, members)."""
+
+
 def evaluate(system, inputs, last=None):
     """Return the crisp outputs, one for each output of the system.
 
@@ -216,13 +226,8 @@ def evaluate(system, inputs, last=None):
             for strength, term in fired:
                 largest[term] = max(strength, largest.get(term, 0.0))
             fired = [(strength, term) for term, strength in largest.items()]
-        match output["method"]:
-            case "sampled":
-                value = sampled(system, output, fired)
-            case "exact":
-                value = exact(system, output, fired)
-            case _:
-                value = weighted(output, fired, limited)
+        method = METHODS.get(output["method"])
+        value = weighted(output, fired, limited) if method is None else method(system, output, fired)
         if value is None:
             value = output["silent"] if output["silent"] is not None or last is None else last[number]
             value = 0.5 * (output["low"] + output["high"]) if value is None else value

@@ -25,7 +25,7 @@ from fuzzy.kernels.norms import (
     SUM,
 )
 
-_ROUNDING = 1e-15
+ROUNDING = 1e-15
 
 
 @addressed_kernel
@@ -88,7 +88,7 @@ def _follow(address, output, question):
     code = outputs.implication[0]
     origin = 0.5 * (outputs.range[output, 0] + outputs.range[output, 1])
     # Where an implication takes 1 - w, a degree of 0 is known to rounding only.
-    least = 0.0 if code <= PRODUCT else _ROUNDING
+    least = 0.0 if code <= PRODUCT else ROUNDING
     account = scratch[: pieces.ACCOUNT]
     terms = scratch[pieces.ACCOUNT : pieces.ACCOUNT + 2 * count]
     lines = scratch[pieces.ACCOUNT + 2 * count : pieces.ACCOUNT + 4 * count]
@@ -108,9 +108,9 @@ def _follow(address, output, question):
             terms[2 * m] = first
             terms[2 * m + 1] = last
             level = workspace.level[start + m]
-            n_bends = _add_bend(first, last, norms.bend_level(code, level), places, n_bends)
+            n_bends = add_bend(first, last, norms.bend_level(code, level), places, n_bends)
             if code == NILPOTENT_MINIMUM:
-                n_bends = _add_bend(first, last, level, places, n_bends)
+                n_bends = add_bend(first, last, level, places, n_bends)
         sort(places, n_bends)
         places[n_bends] = 1.0
         begin = 0.0
@@ -120,15 +120,15 @@ def _follow(address, output, question):
                 for m in range(count):
                     slope = terms[2 * m + 1] - terms[2 * m]
                     centre = 0.5 * (begin + end)
-                    value, rise = _imply(code, gain, workspace.level[start + m], terms[2 * m] + centre * slope, slope)
+                    value, rise = imply(code, gain, workspace.level[start + m], terms[2 * m] + centre * slope, slope)
                     lines[2 * m] = value - (centre - begin) * rise
                     lines[2 * m + 1] = rise
-                _join(account, question, origin, least, outputs.aggregation[0], lines, left, width, begin, end)
+                join(account, question, origin, least, outputs.aggregation[0], lines, left, width, begin, end)
                 begin = end
 
 
 @borrowing_kernel
-def _add_bend(first, last, level, places, count):
+def add_bend(first, last, level, places, count):
     """Append the place in (0, 1) at which a line has a degree, if it passes it; return the new count."""
     if first < level < last or last < level < first:
         places[count] = (level - first) / (last - first)
@@ -137,7 +137,7 @@ def _add_bend(first, last, level, places, count):
 
 
 @borrowing_kernel
-def _imply(code, gain, w, degree, slope):
+def imply(code, gain, w, degree, slope):
     """Return value and slope of an implied line between two bends, times ``gain``, from those of the term's line."""
     if code == MIN:
         return (gain * w, 0.0) if degree >= w else (gain * degree, gain * slope)
@@ -163,7 +163,7 @@ def _imply(code, gain, w, degree, slope):
 
 
 @borrowing_kernel
-def _join(account, question, origin, least, code, lines, left, width, begin, end):
+def join(account, question, origin, least, code, lines, left, width, begin, end):
     """Enter the aggregate of lines over a part of an interval; they are their values at ``begin`` and slopes."""
     if code in (SUM, BOUNDED_SUM):
         value = 0.0

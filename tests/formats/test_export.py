@@ -16,7 +16,7 @@ import pytest
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
-from fuzzy import compile_system, formats
+from fuzzy import compile_system, edits, formats
 from fuzzy.errors import InvalidSystemError
 from fuzzy.export.c_code import c_files
 from fuzzy.export.python_code import python_file
@@ -96,6 +96,18 @@ EXACT = {
     "sampled": mixed(resolution=Sampling(101, "endpoints"), conjunction="einstein_product"),
     "sampled norms": mixed(resolution=Sampling(64), implication="hamacher_product", aggregation="einstein_sum"),
     "trapezoidal": mixed(resolution=Sampling(50, "trapezoid"), disjunction="nilpotent_maximum"),
+    "sampled Kleene-Dienes": mixed(resolution=Sampling(64), implication="kleene_dienes", aggregation="hamacher_sum"),
+    "sampled sums": mixed(resolution=Sampling(64), implication="algebraic_sum"),
+    "bisector": mixed(defuzzifier="bisector"),
+    "bisector of Kleene-Dienes": mixed(defuzzifier="bisector", implication="kleene_dienes", aggregation="min"),
+    "mean of maxima": mixed(defuzzifier="mom", implication="product"),
+    "smallest of maxima": mixed(defuzzifier="som", implication="nilpotent_minimum"),
+    "largest of maxima": mixed(defuzzifier="lom", implication="bounded_sum", aggregation="sum"),
+    "smallest magnitude": mixed(defuzzifier="som_abs", implication="algebraic_sum"),
+    "largest magnitude": mixed(defuzzifier="lom_abs", implication="bounded_difference"),
+    "bounded sum": mixed(aggregation="bounded_sum", implication="algebraic_sum"),
+    "least Kleene-Dienes": mixed(implication="kleene_dienes", aggregation="min"),
+    "drastic product": mixed(implication="drastic_product", aggregation="sum"),
     "sugeno": sugeno(),
     "strongest sugeno": replace(sugeno(), inference=Inference(defuzzifier="weighted_sum")),
 }
@@ -151,8 +163,9 @@ def test_c_code_gives_the_kernels_outputs(name: str, tmp_path: Path) -> None:
     assert "malloc" not in files.source
 
 
-def test_all_hundred_thousand_points_of_a_mixed_system(tmp_path: Path) -> None:
-    system = EXACT["clipped"]
+@pytest.mark.parametrize("name", ["clipped", "bisector", "mean of maxima", "least Kleene-Dienes"])
+def test_all_hundred_thousand_points_of_a_mixed_system(name: str, tmp_path: Path) -> None:
+    system = EXACT[name]
     files = c_files(system, "controller")
     x = random_inputs(system, POINTS)
     found = evaluated(compiled(tmp_path, files.source, files.header), x, 2)
@@ -174,12 +187,26 @@ def test_a_lookup_table_is_as_good_as_it_says(name: str, points: int, is_single:
     assert f"largest error of the table: {files.bounds[0]:.3g}" in files.source
 
 
-def test_single_precision(tmp_path: Path) -> None:
-    system = EXACT["diagonal"]
+def test_single_precision_of_curved_inputs(tmp_path: Path) -> None:
+    system = EXACT["clipped"]
+    files = c_files(system, "controller", is_single=True)
+    x = np.ascontiguousarray(random_inputs(system, 2_000), dtype=np.float32)
+    found = evaluated(compiled(tmp_path, files.source, files.header, is_single=True), x, 2)
+    np.testing.assert_allclose(found, compile_system(system).batch(x.astype(np.float64)), rtol=0, atol=2e-3)
+
+
+@pytest.mark.parametrize(
+    "system",
+    [EXACT["diagonal"], *(edits.set_inference(EXACT["diagonal"], defuzzifier=word) for word in ("bisector", "lom"))],
+)
+def test_single_precision(system: FuzzySystem, tmp_path: Path) -> None:
     files = c_files(system, "controller", is_single=True)
     x = np.ascontiguousarray(random_inputs(system, 5_000), dtype=np.float32)
     found = evaluated(compiled(tmp_path, files.source, files.header, is_single=True), x, 1)
-    np.testing.assert_allclose(found, compile_system(system).batch(x), rtol=0, atol=170 * 2e-5)
+    wanted = compile_system(system).batch(x)
+    # Where two plateaus are nearly as high, a float may take the other one.
+    is_other = np.abs(found - wanted) > 170 * 2e-5
+    assert is_other.mean() <= (0.001 if system.inference.defuzzifier == "lom" else 0)
 
 
 def test_bad_inputs_and_holding(tmp_path: Path) -> None:
@@ -202,9 +229,12 @@ def test_bad_inputs_and_holding(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "system",
     [
-        mixed(defuzzifier="bisector"),
-        mixed(implication="kleene_dienes"),
-        mixed(aggregation="bounded_sum"),
+        mixed(defuzzifier="bisector", resolution=Sampling(101)),
+        mixed(resolution=Sampling(101, "polygon")),
+        mixed(aggregation="min", resolution=Sampling(101)),
+        mixed(implication="hamacher_product"),
+        mixed(aggregation="einstein_sum"),
+        replace(mixed(), outputs=tuple(replace(o, terms=(*o.terms, Term("g", SShape(0, 9)))) for o in mixed().outputs)),
         replace(mixed(), rules=RuleBase(None, (Rule(Is("u", "left"), (Is("v", "left"),)),))),
     ],
 )
