@@ -41,6 +41,8 @@ def npz(run: Run) -> bytes:
         t=run.t,
         forces=run.forces,
         activity=run.activity,
+        clamped=run.clamped,
+        undefined=run.undefined,
         coordinates=np.array(run.arm.coordinates),
         actuators=np.array(run.arm.actuators),
         allow_pickle=False,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +13,7 @@ from robot.arm import Arm, parameters, read_only
 from robot.controllers import AdaptiveFuzzyFlc, AdaptiveFuzzyPid, ControlLaw
 from robot.controllers.adaptive import basis_size
 from robot.controllers.base import STEP
-from robot.controllers.fuzzy import Directory
+from robot.controllers.fuzzy import CLAMPED, UNDEFINED, Directory
 from robot.errors import InvalidControllerError, RobotError
 from robot.kernels import closed_loop
 from robot.kernels import control as codes
@@ -26,12 +26,11 @@ Array = NDArray[np.float64]
 REACH = 10.0
 """A module longer than so many of the longest rest length, or bent by so many radians, has run away."""
 
-_SIGNALS: tuple[Literal["fuzzy output", "control force", "position", "velocity"], ...] = (
-    "fuzzy output",
-    "control force",
-    "position",
-    "velocity",
-)
+Signal = Literal["fuzzy output", "control force", "position", "velocity", "fuzzy input"]
+
+_SIGNALS: tuple[Signal, ...] = get_args(Signal)
+"""In the order of the codes of ``robot.kernels.closed_loop``."""
+
 STOP_RATIO = 100.0
 """Stiffness of the stops in units of the arm's stiffest spring."""
 
@@ -43,17 +42,18 @@ class Stop(NamedTuple):
 
     Attributes:
         time: When, s: the last time with a finite state.
-        signal: What was not finite, or, for a position, out of all reach.
+        signal: What was not finite; for a position also out of all reach, for a fuzzy input also rejected by its range.
         coordinate: Of which coordinate, such as ``theta2``.
     """
 
     time: float
-    signal: Literal["fuzzy output", "control force", "position", "velocity"]
+    signal: Signal
     coordinate: str
 
     def __str__(self) -> str:
         """Return one sentence for people."""
-        return f"stopped at t = {self.time:.3f} s: the {self.signal} of {self.coordinate} is not finite or ran away"
+        what = "is outside a range that rejects it" if self.signal == "fuzzy input" else "is not finite or ran away"
+        return f"stopped at t = {self.time:.3f} s: the {self.signal} of {self.coordinate} {what}"
 
 
 class Run(NamedTuple):
@@ -77,6 +77,8 @@ class Run(NamedTuple):
         output: (n, 2N) their outputs T; 0 for laws without.
         learned: (n, 2N) |θ|² of the blocks that learn; 0 for laws without.
         activity: (2N, n_rules) largest firing strength of each rule in the run; (2N, 0) for laws without.
+        clamped: (2N,) in how many control steps an input of the fuzzy block lay outside its range.
+        undefined: (2N,) in how many no rule gave the fuzzy block's output, but the no-fire policy.
         stopped: None, or why the run ended before its time.
     """
 
@@ -96,6 +98,8 @@ class Run(NamedTuple):
     output: Array
     learned: Array
     activity: Array
+    clamped: NDArray[np.int64]
+    undefined: NDArray[np.int64]
     stopped: Stop | None
 
     def shortest_actuator(self) -> Array:
@@ -203,6 +207,7 @@ class Simulation:
             integral=np.zeros(self._size),
             output=np.zeros(self._size),
             activity=np.zeros((self._size, 0)),
+            counts=np.zeros((self._size, 2), dtype=np.int64),
             weights=np.zeros((self._size, 0)),
             filtered=np.stack([self.start, np.zeros(self._size)]),
             applied=np.zeros(self._size),
@@ -390,6 +395,8 @@ class Simulation:
             start=self.start.copy(),
             t=np.arange(first, self._tick, dtype=np.float64) * STEP,
             activity=self._state.activity.copy(),
+            clamped=self._state.counts[:, CLAMPED].copy(),
+            undefined=self._state.counts[:, UNDEFINED].copy(),
             stopped=self.stopped,
             **log._asdict(),
         )

@@ -12,6 +12,9 @@ import tyro
 from app.commands.failure import UsageError, failure
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from robot.arm import Arm
     from robot.controllers import ControlLaw
     from robot.metrics import Metrics
@@ -86,10 +89,16 @@ def simulate(
             "stopped": str(run.stopped) if run.stopped else None,
             "metrics": metrics.to_dict(),
         }
+        if run.activity.size:
+            report["clamped"], report["no_fire"] = (_counts(run, steps) for steps in (run.clamped, run.undefined))
         print(msgspec.json.format(msgspec.json.encode(report)).decode())
     else:
         print(f"{controller} on the {arm} arm, {scenario}: {run.scenario.duration:g} s simulated in {wall:.4f} s")
         _print(metrics)
+        for steps, what in ((run.clamped, "an input was clamped"), (run.undefined, "no rule fired")):
+            if steps.any():
+                found = ", ".join(f"{name} {count}" for name, count in _counts(run, steps).items() if count)
+                print(f"{what} in control steps out of {len(run.t)}: {found}")
     if output is not None:
         _write(run, output)
     if plot is not None:
@@ -97,6 +106,10 @@ def simulate(
     if run.stopped:
         raise failure(str(run.stopped))
     return 0
+
+
+def _counts(run: Run, steps: NDArray[np.int64]) -> dict[str, int]:
+    return dict(zip(run.arm.coordinates, steps.tolist(), strict=True))
 
 
 def _scenario(name: str, disturbance: str | None, seed: int, mismatch: tuple[str, ...]) -> Scenario:

@@ -36,6 +36,7 @@ def compile_inputs(inputs: tuple[Input, ...]) -> tuple[InputTables, Integers]:
         piece_term=integers([term for term, _, _ in pieces]),
         piece_shape=integers([shape for _, shape, _ in pieces]),
         piece=numbers([parameter for _, _, parameter in pieces], codes.WIDTH),
+        rejects=integers([variable.out_of_range == "reject" for variable in inputs]),
     )
     return tables, entries(frozen(tables))
 

@@ -175,6 +175,7 @@ def inputs_at(address):
         piece_term=_integers(address, _INPUTS + 6),
         piece_shape=_integers(address, _INPUTS + 7),
         piece=_numbers_2d(address, _INPUTS + 8),
+        rejects=_integers(address, _INPUTS + 9),
     )
 
 

@@ -14,13 +14,13 @@ def evaluate(address, x, y):
 
     Args:
         address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
-        x: (n_in,) crisp inputs in their units; those outside their range count as its nearest end, also where
-            ``Controller`` would refuse them.
+        x: (n_in,) crisp inputs in their units; those outside their range count as its nearest end, unless it rejects
+            them.
         y: (n_out,) in: the last outputs (for the hold policy); out: the crisp outputs. NaN where an input is not
-            finite: a wrong number never becomes a plausible output.
+            finite or is rejected: a wrong number never becomes a plausible output.
 
     Returns:
-        How many rules fired; -1 where an input was not finite.
+        How many rules fired; -1 where an input was not finite or was rejected.
     """
     if not membership.fuzzify(address, x):
         y[:] = math.nan

@@ -153,10 +153,11 @@ def fuzzify(address, x):
 
     Args:
         address: Of a compiled system and its workspace, see ``fuzzy.kernels.address``.
-        x: (n_in,) crisp inputs in their units; those outside their range count as its nearest end.
+        x: (n_in,) crisp inputs in their units; those outside their range count as its nearest end, unless it rejects
+            them.
 
     Returns:
-        Whether all inputs are finite.
+        Whether all inputs are finite, and none is rejected.
 
     References:
         IEC 61131-7:2000, fuzzification.
@@ -170,7 +171,7 @@ def fuzzify(address, x):
         low = inputs.range[at(i), 0]
         high = inputs.range[at(i), 1]
         value = min(max(x[at(i)], low), high)
-        if not math.isfinite(x[at(i)]):
+        if not math.isfinite(x[at(i)]) or (value != x[at(i)] and inputs.rejects[at(i)] == 1):
             return False
         workspace.clamped[at(i)] = value
         first = inputs.term_start[at(i)]

@@ -30,6 +30,7 @@ class InputTables(NamedTuple):
     piece_term: Integers  # (n_pieces,) term of each piece, ascending within a cell
     piece_shape: Integers  # (n_pieces,) ``codes.LINE``, or the code of a curved shape
     piece: Numbers  # (n_pieces, 8) parameters of the code
+    rejects: Integers  # (n_in,) 1 where a value outside the range is refused, 0 where it counts as the nearest end
 
 
 class RuleTables(NamedTuple):

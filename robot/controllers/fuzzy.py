@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzy.inference import Controller
 from fuzzy.kernels import firing, membership
@@ -24,6 +25,9 @@ ERROR_GAIN = 4.0
 
 RATE_GAIN = 48.0
 """Default GC times step and natural frequency; the range of ė is [-6, 6]."""
+
+CLAMPED, UNDEFINED = 0, 1
+"""Columns of the counts of control steps: an input outside its range, and an output that the no-fire policy gave."""
 
 OUTPUT_GAIN = 0.3
 """Default GU in units of ωn² times the step: the most the fuzzy block adds to the linear law's first reaction."""
@@ -137,8 +141,16 @@ def output_scale(inference: Controller) -> float:
 
 @borrowing_kernel
 def fuzzy_blocks(
-    address: int, scale: Array, e: Array, de: Array, x: Array, block: Array, output: Array, activity: Array
-) -> None:
+    address: int,
+    scale: Array,
+    e: Array,
+    de: Array,
+    x: Array,
+    block: Array,
+    output: Array,
+    activity: Array,
+    counts: NDArray[np.int64],
+) -> int:
     """Evaluate the fuzzy block of every coordinate.
 
     Args:
@@ -148,19 +160,30 @@ def fuzzy_blocks(
         de: (2N,) its rate.
         x: (2N, 2) out, the blocks' inputs.
         block: (1,) out, the last block's output.
-        output: (2N,) in: last outputs, for the hold policy; out: T, NaN where the error is not finite.
+        output: (2N,) in: last outputs, for the hold policy; out: T, NaN where an input is not finite or is rejected.
         activity: (2N, n_rules) in and out, the largest firing strength so far.
+        counts: (2N, 2) in and out, how often an input was clamped, and how often the no-fire policy gave T.
+
+    Returns:
+        A coordinate of which an input is not finite or is rejected, -1 for none.
     """
     workspace = workspace_at(address)
+    refused = -1
     for i in range(output.size):
         x[i, 0] = scale[i, 0] * e[i]
         x[i, 1] = scale[i, 1] * de[i]
         block[0] = output[i]
         fired = evaluate(address, x[i], block)
         output[i] = block[0]
+        if fired < 0:
+            refused = i
+        else:
+            counts[i, CLAMPED] += int(workspace.clamped[0] != x[i, 0] or workspace.clamped[1] != x[i, 1])
+            counts[i, UNDEFINED] += workspace.undefined[0]
         for k in range(fired):
             rule = workspace.fired[k]
             activity[i, rule] = max(activity[i, rule], workspace.strength[rule])
+    return refused
 
 
 @borrowing_kernel
@@ -176,7 +199,8 @@ def adaptive_blocks(
     learned: Array,
     output: Array,
     activity: Array,
-) -> None:
+    counts: NDArray[np.int64],
+) -> int:
     """Write T = θᵀ ξ of every coordinate and adapt θ; equations (39)-(43).
 
     ξ = products of one degree of each input's sets, divided by their sum: of the edited sets (first type), or of
@@ -192,9 +216,14 @@ def adaptive_blocks(
         basis: (2 n_basis + 1,) overwritten: products of the last coordinate's degrees, then the degrees.
         weights: (2N, n_basis) θ in and out.
         learned: (2N,) out, |θ|² before the step.
-        output: (2N,) out, T; NaN where the error is not finite.
+        output: (2N,) out, T; NaN where an input is not finite or is rejected.
         activity: (2N, n_rules) in and out, the largest firing strength so far.
+        counts: (2N, 2) in and out, how often an input was clamped, and how often no set has a degree, so that T is 0.
+
+    Returns:
+        A coordinate of which an input is not finite or is rejected, -1 for none.
     """
+    refused = -1
     # ξ is 0 where no set has a degree. As many degrees as there are, r + c, are at most r c + 1.
     inputs = inputs_at(address)
     workspace = workspace_at(address)
@@ -207,6 +236,7 @@ def adaptive_blocks(
         x[i, 1] = law.scale[i, 1] * de[i]
         if not membership.fuzzify(address, x[i]):
             output[i] = math.nan
+            refused = i
             continue
         for k in range(firing.fire(address)):
             rule = workspace.fired[k]
@@ -223,6 +253,8 @@ def adaptive_blocks(
                 basis[row * columns + column] = degrees[row] * degrees[rows + column]
                 total += basis[row * columns + column]
         share = 1.0 / total if total > 0.0 else 0.0
+        counts[i, CLAMPED] += int(workspace.clamped[0] != x[i, 0] or workspace.clamped[1] != x[i, 1])
+        counts[i, UNDEFINED] += int(total <= 0.0)
         rate = law.adaptation[0, i] * e[i] + law.adaptation[1, i] * de[i]
         value = 0.0
         squares = 0.0
@@ -234,6 +266,7 @@ def adaptive_blocks(
             weights[i, k] = weight + step * (degree * rate - law.leak[i] * weight)
         output[i] = value
         learned[i] = squares
+    return refused
 
 
 @borrowing_kernel

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzy.kernels.jit import inlined_kernel, kernel
 from robot.controllers.base import ADAPTED_SETS, Law
@@ -20,7 +21,8 @@ FUZZY_OUTPUT = 0
 FORCE = 1
 POSITION = 2
 VELOCITY = 3
-"""What a run is stopped by: which signal is not finite, or has run away."""
+FUZZY_INPUT = 4
+"""What a run is stopped by: which signal is not finite, has run away, or is rejected by its range."""
 
 
 class Loop(NamedTuple):
@@ -58,6 +60,8 @@ class State(NamedTuple):
     """Last outputs of the fuzzy blocks."""
     activity: Array
     """(2N, n_rules) largest firing strength of every rule so far."""
+    counts: NDArray[np.int64]
+    """(2N, 2) control steps so far in which a fuzzy block clamped an input, and in which no rule gave its output."""
     weights: Array
     """(2N, n_basis) θ of the adapted blocks."""
     filtered: Array
@@ -155,8 +159,9 @@ def _run(
         control.observe(
             loop.reference, k, loop.step, loop.channel, noise_now, state.q, state.dq, state.filtered, signals
         )
+        refused = -1
         if loop.law.fuzzy >= ADAPTED_SETS:
-            adaptive_blocks(
+            refused = adaptive_blocks(
                 address,
                 loop.law,
                 loop.step,
@@ -168,11 +173,22 @@ def _run(
                 learned,
                 state.output,
                 state.activity,
+                state.counts,
             )
         elif loop.law.fuzzy:
-            fuzzy_blocks(
-                address, loop.law.scale, signals.e, signals.de, signals.x, signals.block, state.output, state.activity
+            refused = fuzzy_blocks(
+                address,
+                loop.law.scale,
+                signals.e,
+                signals.de,
+                signals.x,
+                signals.block,
+                state.output,
+                state.activity,
+                state.counts,
             )
+        if refused >= 0:
+            return k - first, FUZZY_INPUT, refused
         dynamics.directions(signals.seen, work)
         control.control(loop.law, loop.model, state.dq, state.integral, state.output, work, signals)
         for i in range(state.q.size):

@@ -446,6 +446,9 @@ KINDS: dict[str, FuzzySystem] = {
         DIAGONAL, rules=RuleBase(DIAGONAL.rules.table, (Rule(Is("e", "NB"), (Is("T", "LL"),), 0.5),))
     ),
     "hostile names": hostile(PILTAN),
+    "inputs that stop the run": replace(
+        DIAGONAL, inputs=tuple(replace(variable, out_of_range="reject") for variable in DIAGONAL.inputs)
+    ),
     "another sampling": edits.set_inference(DIAGONAL, resolution=Sampling(37, "endpoints")),
 }
 
@@ -467,7 +470,7 @@ def exercise(screen: Screen, document: FuzzySystem, run: Run) -> None:
         return
     screen.dispatch(event)
     own = event.result.run
-    for row in (0, len(own.t) - 1):
+    for row in (0, len(own.t) - 1) if len(own.t) else ():
         screen.show(frame_of(own, row, strengths(document, own, row)))
     for coordinate in range(2 * Arm.preset("soft").n_modules):
         screen.dispatch(Selected({"coordinate": coordinate}))

@@ -393,6 +393,58 @@ def test_a_fuzzy_output_that_is_not_a_number_stops_the_run() -> None:
     assert len(run.t) == 0
 
 
+def rejecting(names: tuple[str, ...]) -> Any:
+    system = diagonal_system()
+    inputs = tuple(
+        msgspec.structs.replace(variable, out_of_range="reject" if variable.name in names else "clamp")
+        for variable in system.inputs
+    )
+    return compile_system(msgspec.structs.replace(system, inputs=inputs))
+
+
+@pytest.mark.parametrize("name", ["fuzzy_flc", "adaptive_fuzzy_flc"])
+def test_an_input_that_its_range_rejects_stops_the_run_before_it_acts(name: str) -> None:
+    run = simulate(SOFT, controllers.default(name, SOFT, STEP, rejecting(("e",))), STEP)
+    assert run.stopped is not None
+    assert (run.stopped.signal, run.stopped.time, len(run.t)) == ("fuzzy input", 0.0, 0)
+    assert "outside a range that rejects it" in str(run.stopped)
+
+
+def test_a_run_whose_inputs_stay_within_their_ranges_is_not_stopped() -> None:
+    law = controllers.default("fuzzy_flc", SOFT, STEP, rejecting(("e",)))
+    assert isinstance(law, FuzzyFlc)
+    gentle = msgspec.structs.replace(law, ge=[gain / 5 for gain in law.ge])
+    run = simulate(SOFT, gentle, STEP)
+    assert run.stopped is None
+    assert abs(run.inputs[:, :, 0]).max() <= 1.0
+    # The rate leaves its range on the way: all that was done before is kept.
+    both = controllers.default("fuzzy_flc", SOFT, STEP, rejecting(("de",)))
+    assert isinstance(both, FuzzyFlc)
+    swift = simulate(SOFT, msgspec.structs.replace(both, gc=[3 * gain for gain in both.gc]), STEP)
+    assert swift.stopped is not None
+    assert swift.stopped.signal == "fuzzy input"
+    assert len(swift.t) > 0
+    assert abs(swift.inputs[:, :, 1]).max() <= 6.0
+
+
+def test_clamped_inputs_and_silent_rules_are_counted() -> None:
+    system = diagonal_system()
+    table = system.rules.table
+    assert table is not None
+    cells = (*table.cells[:4], *((None,) * 7,) * 3)
+    sparse = msgspec.structs.replace(system, rules=RuleBase(msgspec.structs.replace(table, cells=cells)))
+    law = controllers.default("fuzzy_flc", SOFT, STEP, compile_system(sparse))
+    run = simulate(SOFT, law, STEP)
+    unknown = msgspec.structs.replace(
+        sparse, outputs=(msgspec.structs.replace(sparse.outputs[0], no_fire=NoFire("nan")),)
+    )
+    outputs = compile_system(unknown).batch(run.inputs.reshape(-1, 2)).reshape(-1, 6)
+    np.testing.assert_array_equal(run.undefined, np.isnan(outputs).sum(axis=0))
+    np.testing.assert_array_equal(run.clamped, (abs(run.inputs) > [1.0, 6.0]).any(axis=2).sum(axis=0))
+    assert run.undefined.any()
+    assert run.clamped.any()
+
+
 def test_an_unstable_loop_stops_with_its_last_finite_states() -> None:
     unstable = PdFlc(SOFT, kp=(1e6,) * 6, kv=(1e5,) * 6)
     live = Simulation(SOFT, unstable, STEP)

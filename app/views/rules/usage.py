@@ -1,4 +1,4 @@
-"""How many rules there are, and how many of them never fired in the last run."""
+"""How many rules there are, how many never fired in the last run, and how often none of them did."""
 
 from __future__ import annotations
 
@@ -41,7 +41,14 @@ def _count_html(state: AppState) -> str:
     if listed and listed < count:
         lines.append(f"{listed} of them in the list")
     activity = activity_of(state)
-    if activity is not None and len(activity) == count:
+    result = state.runs.current
+    if result is not None and activity is not None and len(activity) == count:
         never = int((activity <= 0.0).sum())
         lines.append(f"{never} never fired in this run" if never else "all fired in this run")
+        run = result.run
+        for steps, what in ((run.undefined, "none fired"), (run.clamped, "inputs beyond their ranges")):
+            if steps.any():
+                most = int(steps.argmax())
+                share = 100 * steps[most] / max(len(run.t), 1)
+                lines.append(f"{what}: {run.arm.coordinates[most]} {share:.2g} % of the time")
     return div(f'<span style="color:{MUTED}">{" · ".join(lines)}</span>')
