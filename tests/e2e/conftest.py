@@ -23,6 +23,8 @@ from tests.e2e.harness import (
 )
 from tests.e2e.panels import ANSWER_MS, choose_tab, photograph
 
+expect.set_options(timeout=ANSWER_MS)
+
 
 def new_context(browser: Browser) -> BrowserContext:
     """Return a window of a usual size in a browser that has been here before."""

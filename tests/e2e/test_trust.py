@@ -13,7 +13,7 @@ from playwright.sync_api import Page, expect
 from fuzzy import edits
 from fuzzy.formats import load, save
 from fuzzy.system import RuleTable
-from tests.e2e.harness import ROOT, Workbench, running_workbench
+from tests.e2e.harness import LOAD_TIMEOUT_MS, ROOT, Workbench, running_workbench
 from tests.e2e.panels import photograph
 
 ANSWER_MS = 30_000
@@ -85,7 +85,7 @@ def test_hostile_names_and_a_killed_workbench(tmp_path: Path, new_page: Callable
 
     # The page tries again by itself until there is a workbench under its address.
     with running_workbench(folder, port=urllib.parse.urlsplit(first.url).port) as second:
-        expect(page.get_by_text("Unsaved work was found")).to_be_visible()
+        expect(page.get_by_text("Unsaved work was found")).to_be_visible(timeout=LOAD_TIMEOUT_MS)
         page.get_by_role("button", name="Recover it").click()
         expect(page.get_by_text("Unsaved work was found")).to_have_count(0)
         expect(cell).to_have_text(term)
