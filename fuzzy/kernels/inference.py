@@ -4,8 +4,8 @@ import functools
 import math
 
 from fuzzy.kernels import defuzzify, firing, membership
-from fuzzy.kernels.address import workspace_at
-from fuzzy.kernels.jit import Kernel, borrowing_kernel, compiled_for, locking_kernel
+from fuzzy.kernels.address import at, workspace_at
+from fuzzy.kernels.jit import Kernel, borrowing_kernel, compiled_for, inlined_kernel, locking_kernel
 
 
 @borrowing_kernel
@@ -22,6 +22,11 @@ def evaluate(address, x, y):
     Returns:
         How many rules fired; -1 where an input was not finite or was rejected.
     """
+    return _evaluate(address, x, y)
+
+
+@inlined_kernel
+def _evaluate(address, x, y):
     if not membership.fuzzify(address, x):
         y[:] = math.nan
         return -1
@@ -70,4 +75,4 @@ def evaluate_rows(address, x, y, first, end):
         end: The row after the last one.
     """
     for i in range(first, end):
-        evaluate(address, x[i], y[i])
+        _evaluate(address, x[at(i)], y[at(i)])
