@@ -35,7 +35,7 @@ def convert(
     /,
     *,
     lossy: bool = False,
-    to: Annotated[Target | None, tyro.conf.arg(metavar="FORMAT", help_behavior_hint="")] = None,
+    to: Annotated[Target | Literal["xml"] | None, tyro.conf.arg(metavar="FORMAT", help_behavior_hint="")] = None,
     table: Annotated[int | None, tyro.conf.arg(metavar="N", help_behavior_hint="")] = None,
     single: bool = False,
 ) -> int:
@@ -48,7 +48,7 @@ def convert(
         source: The rule base; - reads standard input.
         target: The file to write, whole or not at all; - writes standard output and needs --to.
         lossy: Write something else for what OUT cannot say, with a warning and the largest difference of the outputs.
-        to: What to write, whatever the suffix of OUT: yaml fis fll fcl fml c py csv npz.
+        to: What to write, whatever the suffix of OUT: yaml fis fll fcl xml (or fml) c py csv npz.
         table: Points of each input: of a lookup table in .c, instead of the exact computation; of .csv and .npz.
         single: Single precision (float) in .c.
     """
@@ -96,13 +96,13 @@ def _keep_comments(target: Path) -> None:
             print(f"{place}: warning: comments are lost; the file before is kept as {kept.name}", file=sys.stderr)
 
 
-def _kind(target: Path, to: Target | None) -> Target:
+def _kind(target: Path, to: Target | Literal["xml"] | None) -> Target:
     from app.commands.failure import UsageError
     from app.commands.rulebases import STANDARD
     from fuzzy.errors import expected
 
     if to is not None:
-        return to
+        return "fml" if to == "xml" else to
     if target == STANDARD:
         raise UsageError(f"standard output has no suffix: --to names what to write: {', '.join(_SUFFIXES.values())}")
     if target.suffix.lower() not in _SUFFIXES:

@@ -63,6 +63,10 @@ def test_pipes(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[st
     monkeypatch.setattr(sys, "stdin", _Stdin(fll.encode()))
     assert main(["explain", "-", "e=0.2", "de=-1"]) == 0
     assert "rules fire" in capsys.readouterr().out
+    for word in ("fml", "xml"):  # the format, and its suffix
+        monkeypatch.setattr(sys, "stdin", _Stdin(fll.encode()))
+        assert main(["convert", "-", "-", "--to", word]) == 0
+        assert "<fuzzySystem" in capsys.readouterr().out
     path = tmp_path / "d.fll"
     path.write_text(fll, encoding="utf-8")
     monkeypatch.setattr(sys, "stdin", _Stdin(b"e,de\n0.2,-1\n"))
