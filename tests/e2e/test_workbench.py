@@ -55,6 +55,7 @@ def test_the_first_page(page: Page, shot: Callable[[str], Path]) -> None:
     expect(page.locator("#cell0-0")).to_have_text("LL")
     wait_for_motion(page)
     put_arm_at(page, "0.16")
+    page.get_by_role("button", name="play / pause").scroll_into_view_if_needed()
     picture = shot("workbench")
     assert picture.stat().st_size > 50_000
     play_live(page)
