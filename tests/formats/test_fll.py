@@ -172,3 +172,12 @@ def test_mistakes_are_named_where_they_stand(old: str, new: str, message: str, l
         read(TEXT.replace(old, new, 1))
     assert re.search(message, caught.value.message), caught.value.message
     assert caught.value.line == line, str(caught.value)
+
+
+@pytest.mark.parametrize("key", ["range", "enabled", "aggregation", "defuzzifier", "default", "term", "rule"])
+def test_a_key_without_a_value_is_refused_where_it_stands(key: str) -> None:
+    text = re.sub(rf"^( *{key}:).*$", r"\1", TEXT, count=1, flags=re.M)
+    assert text != TEXT
+    with pytest.raises(FormatError) as caught:
+        read(text)
+    assert caught.value.line == text[: text.index(f"{key}:\n")].count("\n") + 1

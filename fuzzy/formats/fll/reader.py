@@ -142,7 +142,7 @@ def _operators_of_output(
         value = _word(source, token, words.AGGREGATIONS, "aggregation")
         aggregation.choose(value, f"'{block.name}'", token.offset)
     token = block.values.get("defuzzifier")
-    if token is None or token.text == "none":
+    if token is None or token.text in ("", "none"):
         raise source.error(f"'{shown(block.name)}' has no defuzzifier", token.offset if token else block.offset)
     found = split(source, token)
     method = _word(source, found[0], words.DEFUZZIFIERS, "defuzzifier")
