@@ -1,4 +1,4 @@
-"""The study of robustness: in a thread of its own, with progress, and given up when it is not wanted any more."""
+"""Studies of robustness and fits: in a thread of their own, with progress, and given up when not wanted any more."""
 
 from __future__ import annotations
 
@@ -8,17 +8,23 @@ import threading
 import time
 from collections.abc import Callable
 
+import numpy as np
+from numpy.typing import NDArray
+
 import fuzzy
 from app import experiment
 from app.state import AppState, Event, Notice, Noticed
-from app.state.study import Order, Outcome, StudyFinished, StudyProgressed
+from app.state.study import Fitted, Order, Outcome, StudyFinished, StudyProgressed
 from app.store import Shown
+from fuzzy import approximation, edits
 from fuzzy.errors import FuzzyError
 from robot.errors import RobotError
 from robot.robustness import Spread, random_arms, study
 
 _TELL_SECONDS = 0.25
 """Least time between two reports of progress."""
+_MINIMAX_SAMPLES = 1024
+"""Places at which the greatest error is made small: a linear programme of twice as many rows."""
 _PATIENCE = 1.0
 """How long the end waits for the arms that are being simulated, s."""
 
@@ -28,11 +34,11 @@ _log = logging.getLogger(__name__)
 
 
 class GivenUpError(Exception):
-    """The study is not wanted any more."""
+    """What was ordered is not wanted any more."""
 
 
 class Studies:
-    """Carries out what is ordered, one study at a time; the views' peer in the store."""
+    """Carries out what is ordered, one order at a time; the views' peer in the store."""
 
     def __init__(self, post: Post) -> None:
         self._post = post
@@ -66,35 +72,68 @@ class Studies:
     def _carry_out(self, order: Order, is_unwanted: threading.Event) -> None:
         outcome = None
         try:
-            outcome = self._computed(order, is_unwanted)
+            outcome = self._studied(order, is_unwanted) if order.method is None else self._fitted(order, is_unwanted)
         except GivenUpError:
             return
         except (FuzzyError, RobotError) as error:
-            self._post(Noticed(Notice(f"Cannot study this: {error}.", is_error=True)))
+            what = "study" if order.method is None else "fit"
+            self._post(Noticed(Notice(f"Cannot {what} this: {error}.", is_error=True)))
         except Exception as error:
-            _log.exception("the study of robustness failed")
-            self._post(Noticed(Notice(f"The study failed, an error of the program: {error!r}.", is_error=True)))
-        self._post(StudyFinished(order.number, outcome))
+            _log.exception("a study or fit failed")
+            self._post(Noticed(Notice(f"The study or fit failed, an error of the program: {error!r}.", is_error=True)))
+        if not is_unwanted.is_set():
+            self._post(StudyFinished(order.number, outcome))
 
-    def _computed(self, order: Order, is_unwanted: threading.Event) -> Outcome:
+    def _studied(self, order: Order, is_unwanted: threading.Event) -> Outcome:
         controller = fuzzy.compile_system(order.document)
         wanted = experiment.prepare(order.setup, controller)
         pid = experiment.prepare(order.setup, controller, law="pid")
         arms = random_arms(wanted.arm, order.plants)
         # One core stays free for the live simulation and the page.
         workers = max(1, (os.cpu_count() or 1) - 1)
-        told = time.monotonic()
+        tell = self._teller(order, is_unwanted)
 
         def found(one: experiment.Experiment, before: int) -> Spread:
             def progress(runs: int) -> None:
-                nonlocal told
-                if is_unwanted.is_set():
-                    raise GivenUpError
-                now = time.monotonic()
-                if now - told > _TELL_SECONDS:
-                    told = now
-                    self._post(StudyProgressed(order.number, (before + runs) / (2 * order.plants)))
+                tell((before + runs) / (2 * order.plants))
 
             return study(arms, one.law, one.scenario, progress=progress, workers=workers)
 
         return Outcome(order, found(wanted, 0), found(pid, order.plants))
+
+    def _fitted(self, order: Order, is_unwanted: threading.Event) -> Fitted:
+        tell = self._teller(order, is_unwanted)
+        document, method = order.document, order.method
+        controller = fuzzy.compile_system(document)
+
+        def target(x: NDArray[np.float64]) -> NDArray[np.float64]:
+            tell(0.0)
+            return controller.batch(x)[:, 0]
+
+        match method:
+            case "Gaussians of their own":
+                found = approximation.fit_gaussians(document, target, progress=tell)
+            case "least greatest error":
+                found = approximation.fit(document, target, criterion="minimax", samples=_MINIMAX_SAMPLES)
+            case _:
+                found = approximation.fit(document, target)
+        # The arm takes an output for what it is by its range, and rules are read by its name.
+        output = document.outputs[0]
+        system = edits.set_range(found.system, found.system.outputs[0].name, output.low, output.high)
+        system = edits.rename_variable(system, found.system.outputs[0].name, output.name)
+        return Fitted(order, edits.set_unit(system, output.name, output.unit), found.rms, found.largest)
+
+    def _teller(self, order: Order, is_unwanted: threading.Event) -> Callable[[float], None]:
+        """Return what tells the share that is done, now and then, and ends an order that is not wanted any more."""
+        told = time.monotonic()
+
+        def tell(share: float) -> None:
+            nonlocal told
+            if is_unwanted.is_set():
+                raise GivenUpError
+            now = time.monotonic()
+            if now - told > _TELL_SECONDS:
+                told = now
+                self._post(StudyProgressed(order.number, share))
+
+        return tell

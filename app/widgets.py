@@ -11,7 +11,7 @@ import viser
 
 from app import clean
 from app.clean import Refused
-from app.palette import TEXT
+from app.palette import GRID, RUN, TEXT
 from app.state import Event, Notice, Noticed
 from app.store import Dispatch
 
@@ -124,6 +124,12 @@ def div(content: str, style: str = "") -> str:
     """Return a block in the workbench's type, as wide as the other widgets of a panel."""
     base = f"padding:0 0.75em;margin:0.35em 0;font:13px/1.45 {FONT};color:{TEXT}"
     return f'<div style="{base};{style}">{content}</div>'
+
+
+def progress_bar(share: float, text: str) -> str:
+    """Return a bar that is full at a share of 1, with the percentage and a text below."""
+    bar = f'<div style="width:{100.0 * share:.0f}%;height:8px;border-radius:4px;background:{RUN}"></div>'
+    return div(f'<div style="background:{GRID};border-radius:4px">{bar}</div>{100.0 * share:.0f} % {text}')
 
 
 def escape(text: str) -> str:

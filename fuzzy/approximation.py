@@ -35,6 +35,9 @@ Criterion = Literal["least_squares", "minimax"]
 SAMPLES = 4096
 """About how many places a function is sampled at, unless told otherwise."""
 
+_MOST_STEPS = 60
+"""Steps after which the search for centres and widths ends."""
+
 _SILENT = 1e-9
 """Share of a rule in the output below which it says nothing about any sample."""
 
@@ -84,7 +87,13 @@ def fit(
 
 
 def fit_gaussians(
-    system: FuzzySystem, target: Target, *, rules: int = 12, samples: int = SAMPLES // 4, seed: int = 0
+    system: FuzzySystem,
+    target: Target,
+    *,
+    rules: int = 12,
+    samples: int = SAMPLES // 4,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
 ) -> Approximation:
     """Fit an approximator of the second type (40): rules with Gaussians of their own, by least squares.
 
@@ -97,6 +106,8 @@ def fit_gaussians(
         rules: Number of rules.
         samples: About how many places a function is sampled at; its errors are measured at four times as many.
         seed: Of the first centres.
+        progress: Called now and then with the share, from 0 to 1, of the steps that the search may take; it often ends
+            sooner. What it raises ends the search.
 
     Returns:
         The fitted system and its errors, over the data or the finer sampling.
@@ -124,12 +135,17 @@ def fit_gaussians(
         degree = np.exp(exponent - exponent.max(axis=1, keepdims=True))
         return degree / degree.sum(axis=1, keepdims=True)
 
+    # Every step tries one place, and for the slopes one beside it in each parameter.
+    tried, most = itertools.count(1), _MOST_STEPS * (start.size + 1)
+
     def residual(parameters: Numbers) -> Numbers:
+        if progress is not None:
+            progress(min(1.0, next(tried) / most))
         columns = basis(parameters)
         theta, *_ = np.linalg.lstsq(columns, y, rcond=None)
         return columns @ theta - y
 
-    found = optimize.least_squares(residual, np.clip(start, *bounds), bounds=bounds, max_nfev=60).x
+    found = optimize.least_squares(residual, np.clip(start, *bounds), bounds=bounds, max_nfev=_MOST_STEPS).x
     centre, log_width = found.reshape(2, rules, len(inputs))
     own = tuple(
         replace(

@@ -37,7 +37,15 @@ from app.state.events import (
 )
 from app.state.model import AppState, Notice, Source, Step, Work
 from app.state.setup import changed
-from app.state.study import StudyCancelled, StudyChosen, StudyFinished, StudyOrdered, StudyProgressed
+from app.state.study import (
+    FitChosen,
+    FitOrdered,
+    StudyCancelled,
+    StudyChosen,
+    StudyFinished,
+    StudyOrdered,
+    StudyProgressed,
+)
 from app.storage import Stamp
 from fuzzy import edits
 from fuzzy.errors import FuzzyError
@@ -130,7 +138,15 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
             return _replace(state, progress=event.text)
         case Noticed():
             return _replace(state, notice=event.notice)
-        case StudyChosen() | StudyOrdered() | StudyCancelled() | StudyProgressed() | StudyFinished():
+        case (
+            StudyChosen()
+            | StudyOrdered()
+            | FitChosen()
+            | FitOrdered()
+            | StudyCancelled()
+            | StudyProgressed()
+            | StudyFinished()
+        ):
             changed_study = study.after(state.study, event, state.document, state.setup)
             return state if changed_study is state.study else _replace(state, study=changed_study)
         case _:

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import viser
 
-from app.palette import BAD, GRID, MUTED, PID, RUN
+from app.palette import BAD, MUTED, PID, RUN
 from app.state import AppState
-from app.state.study import PLANTS, Outcome, Study, StudyCancelled, StudyChosen, StudyOrdered
+from app.state.study import PLANTS, Outcome, StudyCancelled, StudyChosen, StudyOrdered
 from app.store import Shown, Store
-from app.widgets import ChoiceGroup, div, escape, number, on_input
+from app.widgets import ChoiceGroup, div, escape, number, on_input, progress_bar
 from robot.robustness import SPREAD, Spread, histogram, percentile
 
 _FIGURES = {
@@ -51,11 +51,11 @@ class RobustnessView:
     def render(self, state: AppState) -> None:
         """Show how far a study is, and what the last one found."""
         study = state.study
-        is_running = study.order is not None
+        is_running = study.order is not None and study.order.method is None
         self._plants.show([str(count) for count in PLANTS], str(study.plants))
         self._start.visible = not is_running
         self._cancel.visible = is_running
-        self._bar.content = _bar_html(study) if is_running else ""
+        self._bar.content = progress_bar(study.done, "done, this controller first, then PID") if is_running else ""
         outcome = study.outcome
         if outcome is None:
             return
@@ -63,12 +63,6 @@ class RobustnessView:
         if self._shown is None or self._shown[0] is not outcome or self._shown[1] != shown[1]:
             self._shown = shown
             self._found.content = _outcome_html(*shown)
-
-
-def _bar_html(study: Study) -> str:
-    bar = f'<div style="width:{100.0 * study.done:.0f}%;height:8px;border-radius:4px;background:{RUN}"></div>'
-    track = f'<div style="background:{GRID};border-radius:4px">{bar}</div>'
-    return div(f"{track}{100.0 * study.done:.0f} % done, this controller first, then PID")
 
 
 def _outcome_html(outcome: Outcome, is_present: bool) -> str:

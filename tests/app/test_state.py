@@ -51,7 +51,15 @@ from app.state import (
     initial,
     update,
 )
-from app.state.study import StudyCancelled, StudyChosen, StudyFinished, StudyOrdered, StudyProgressed
+from app.state.study import (
+    FitChosen,
+    FitOrdered,
+    StudyCancelled,
+    StudyChosen,
+    StudyFinished,
+    StudyOrdered,
+    StudyProgressed,
+)
 from app.storage import Stamp
 from fuzzy import edits
 from fuzzy.errors import FuzzyError
@@ -274,7 +282,16 @@ any_events = st.one_of(
     st.builds(lambda document: Uploaded(Upload("other.fis", document)), documents),
     st.builds(Imported),
     st.builds(Begun, documents),
-    st.sampled_from([StudyOrdered(), StudyCancelled(), StudyChosen(50), StudyProgressed(1, 0.5)]),
+    st.sampled_from(
+        [
+            StudyOrdered(),
+            FitOrdered(),
+            FitChosen("least greatest error"),
+            StudyCancelled(),
+            StudyChosen(50),
+            StudyProgressed(1, 0.5),
+        ]
+    ),
     st.just(StudyFinished(1, None)),
     st.builds(lambda document: Saved(document, "mine.yaml", STAMP, ("mine.yaml",)), documents),
     st.builds(lambda name: Selected({"variable": name}), strategies.names),
@@ -569,7 +586,7 @@ def test_every_event_is_handled():
         *(Edit, Undo, Redo, JumpedTo, Opened, Uploaded, Imported, Saved, Selected, DesignChanged, SetupChanged),
         *(PlaybackChanged, ResetRequested, RunFinished, Progressed, Noticed, Recovered, Asked),
         *(RunKept, KeptRenamed, KeptRemoved, Advised, SurfaceFound, Begun),
-        *(StudyChosen, StudyOrdered, StudyCancelled, StudyProgressed, StudyFinished),
+        *(StudyChosen, StudyOrdered, FitChosen, FitOrdered, StudyCancelled, StudyProgressed, StudyFinished),
     }
     with pytest.raises(AssertionError):
         update(initial(DIAGONAL), cast("Event", object()))

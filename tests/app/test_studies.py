@@ -6,13 +6,19 @@ import queue
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 
+import fuzzy
 from app import guard, studies
-from app.state import AppState, Event, Noticed, SetupChanged, initial, update
+from app.state import AppState, Begun, Event, Noticed, SetupChanged, Undo, initial, update
 from app.state.study import (
+    FitChosen,
+    FitOrdered,
+    Fitted,
+    Method,
     Outcome,
     StudyCancelled,
     StudyChosen,
@@ -23,6 +29,7 @@ from app.state.study import (
 from app.studies import Studies
 from fuzzy import edits
 from fuzzy.formats import save
+from fuzzy.system import NoFire
 from robot.robustness import Spread
 from tests.app.test_views import DIAGONAL, PILTAN, Screen
 
@@ -158,5 +165,82 @@ def test_the_page_shows_progress_then_figures_and_says_when_they_are_stale(tmp_p
         assert "study again" in screen.html()
         screen.open(DIAGONAL)
         assert "study again" not in screen.html()
+    finally:
+        server.stop()
+
+
+@pytest.mark.parametrize("method", get_args(Method))
+def test_a_fitted_system_does_nearly_the_same_in_the_same_place(
+    posted: tuple[Studies, queue.Queue[Event]], method: Method
+) -> None:
+    running, events = posted
+    state = after(initial(DIAGONAL), FitChosen(method), FitOrdered())
+    running.render(state)
+    state = update(state, wait_for(events, StudyFinished))
+    fitted = state.study.fitted
+    assert fitted is not None
+    assert (state.study.order, state.study.outcome) == (None, None)
+    (before,), (output,) = DIAGONAL.outputs, fitted.document.outputs
+    assert (output.name, output.low, output.high, output.unit) == (before.name, before.low, before.high, before.unit)
+    rows = np.random.default_rng(1).uniform([-1, -6], [1, 6], (500, 2))
+    error = fuzzy.compile_system(fitted.document).batch(rows) - fuzzy.compile_system(DIAGONAL).batch(rows)
+    assert np.abs(error).max() <= fitted.largest * 1.5
+    assert fitted.largest < 0.2 * (before.high - before.low)
+    assert np.sqrt((error**2).mean()) < 2 * fitted.rms
+    opened = update(state, Begun(fitted.document))
+    assert opened.document == fitted.document
+    assert update(opened, Undo()).document == DIAGONAL
+
+
+def test_a_fit_is_cancelled_while_it_searches(
+    posted: tuple[Studies, queue.Queue[Event]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    running, events = posted
+    monkeypatch.setattr(studies, "_TELL_SECONDS", 0.0)
+    state = after(initial(DIAGONAL), FitChosen("Gaussians of their own"), FitOrdered())
+    running.render(state)
+    wait_for(events, StudyProgressed)
+    running.render(update(state, StudyCancelled()))
+    thread = running._thread
+    assert thread is not None
+    thread.join(timeout=_PATIENCE)
+    while not events.empty():
+        assert isinstance(events.get(), StudyProgressed)
+
+
+def test_what_cannot_be_fitted_is_said(posted: tuple[Studies, queue.Queue[Event]]) -> None:
+    running, events = posted
+    silent = edits.set_no_fire(edits.clear_table(DIAGONAL), "T", NoFire("nan"))
+    state = after(initial(silent), FitOrdered())
+    running.render(state)
+    said = wait_for(events, Noticed)
+    assert isinstance(said, Noticed)
+    assert said.notice is not None
+    assert said.notice.text.startswith("Cannot fit this: ")
+    state = update(state, wait_for(events, StudyFinished))
+    assert (state.study.order, state.study.fitted) == (None, None)
+
+
+def test_the_fit_is_ordered_cancelled_and_opened_in_the_page(tmp_path: Path) -> None:
+    save(DIAGONAL, tmp_path / "mine.yaml")
+    server = guard.start_server(port=0)
+    try:
+        screen = Screen(server, tmp_path, DIAGONAL)
+        assert screen.send(screen.find("fit by"), "minimax").study.method == "least greatest error"
+        assert screen.send(screen.find("fit by"), "magic").study.method == "least greatest error"
+        start, cancel, take = (screen.find(label) for label in ("Fit", "Cancel the fit", "Open the approximation"))
+        assert (start.visible, cancel.visible, take.visible) == (True, False, False)
+        state = screen.send(start, True)
+        assert (start.visible, cancel.visible) == (False, True)
+        assert screen.find("Study robustness").visible, "a fit is no study of robustness"
+        order = state.study.order
+        assert order is not None
+        assert screen.send(cancel, True).study.order is None
+        order = screen.send(start, True).study.order
+        assert order is not None
+        screen.dispatch(StudyFinished(order.number, Fitted(order, PILTAN, 0.5, 2.0)))
+        assert (start.visible, cancel.visible, take.visible) == (True, False, True)
+        assert "RMS error 0.5" in screen.html()
+        assert screen.send(take, True).document == PILTAN
     finally:
         server.stop()

@@ -14,6 +14,7 @@ from app.palette import BAD
 from app.state import AppState, Begun, Edit, Event, Selected
 from app.store import Shown, Store, View
 from app.views.files.exchange import ExchangeView, file_stem
+from app.views.files.fitting import FittingView
 from app.views.files.history import HistoryView
 from app.widgets import div, escape, on_input, put
 from fuzzy import edits
@@ -45,7 +46,8 @@ class FilesView:
         exchange = ExchangeView(gui, store)
         self._title = gui.add_text("title", "")
         self._notes = gui.add_text("notes", "", multiline=True)
-        self.views: tuple[View, ...] = (self, exchange, HistoryView(gui, store))
+        fitting = FittingView(gui, store)
+        self.views: tuple[View, ...] = (self, exchange, fitting, HistoryView(gui, store))
         on_input(self._file, store.dispatch, self._open)
         on_input(actions, store.dispatch, self._act)
         on_input(new, store.dispatch, _begun)
