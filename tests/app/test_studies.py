@@ -13,7 +13,7 @@ import pytest
 
 import fuzzy
 from app import guard, studies
-from app.state import AppState, Begun, Event, Noticed, SetupChanged, Undo, initial, update
+from app.state import AppState, Begun, Edit, Event, Noticed, SetupChanged, Undo, initial, update
 from app.state.study import (
     FitChosen,
     FitOrdered,
@@ -241,6 +241,10 @@ def test_the_fit_is_ordered_cancelled_and_opened_in_the_page(tmp_path: Path) -> 
         screen.dispatch(StudyFinished(order.number, Fitted(order, PILTAN, 0.5, 2.0)))
         assert (start.visible, cancel.visible, take.visible) == (True, False, True)
         assert "RMS error 0.5" in screen.html()
+        assert "fit again" not in screen.html()
         assert screen.send(take, True).document == PILTAN
+        assert "fit again" not in screen.html(), "what was fitted is open"
+        screen.dispatch(Edit("clear", edits.clear_table))
+        assert "fit again" in screen.html()
     finally:
         server.stop()

@@ -65,7 +65,7 @@ def _fitted_html(fitted: Fitted, state: AppState) -> str:
     count = len(fitted.document.rules.list)
     stale = f'<div style="color:{BAD}">▲ fitted before the last change: fit again</div>'
     return div(
-        f"{'' if fitted.order.document in (state.document, fitted.document) else stale}"
+        f"{'' if state.document in (fitted.order.document, fitted.document) else stale}"
         f"{escape(fitted.order.document.name)} by {fitted.order.method}: {count} rules, RMS error "
         f"{number(fitted.rms)}{unit}, greatest {number(fitted.largest)}{unit} ({share:.2g} % of the range)"
     )
