@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import logging
+import math
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Any
 
@@ -15,7 +16,9 @@ from app.palette import GRID, RUN, TEXT
 from app.state import Event, Notice, Noticed
 from app.store import Dispatch
 
-_TINY = 5e-4
+TINY, _SMALL = 5e-4, 0.01
+"""Numbers below the first read as nothing; figures between have four decimals, since three digits would be too wide."""
+
 MARK = "● "
 """Stands before the name of the button that is chosen."""
 
@@ -139,9 +142,18 @@ def escape(text: str) -> str:
 
 def number(value: float, digits: int = 3) -> str:
     """Return a number for reading, in ``digits`` significant digits, with a real minus sign; tiny ones as "≈ 0"."""
-    if 0.0 < abs(value) < _TINY:
+    if 0.0 < abs(value) < TINY:
         return "≈ 0"
     return f"{value:.{digits}g}".replace("-", "−")
+
+
+def figure(value: float) -> str:
+    """Return a figure of merit for a table: a dash where it is not defined, "never" where it is infinite."""
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "never"
+    return f"{value:.4f}" if TINY < value < _SMALL else number(value)
 
 
 def equation(name: str, value: float) -> str:

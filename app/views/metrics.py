@@ -10,7 +10,7 @@ import viser
 from app.palette import BAD, GOOD, KEPT, MUTED, css
 from app.state import AppState, Result
 from app.store import Shown
-from app.widgets import div, escape, number
+from app.widgets import TINY, div, escape, figure
 
 _ROWS = {
     "overshoot": ("overshoot", "%"),
@@ -38,9 +38,6 @@ _SHORT = {
     "saturation": "at its limit",
 }
 """Names that fit beside the columns of baselines."""
-
-_TINY, _SMALL = 5e-4, 0.01
-"""Numbers between are shown with four decimals: three significant digits would be too wide."""
 
 _DIFFERENCE = 0.01
 """Relative difference from which on a number counts as better or worse."""
@@ -119,25 +116,17 @@ def _line(metric: str, columns: list[_Column]) -> str:
         color = _color(value, rival)
         cells.append(
             f'<td id="{metric}-{column.key}" style="text-align:right;white-space:nowrap;color:{color}">'
-            f"{_text(value)}</td>"
+            f"{figure(value)}</td>"
         )
     return f'<tr><td>{label} <span style="color:{MUTED}">{unit}</span></td>{"".join(cells)}</tr>'
 
 
 def _color(value: float, rival: float) -> str:
-    if math.isnan(value) or math.isnan(rival) or _text(value) == _text(rival):
+    if math.isnan(value) or math.isnan(rival) or figure(value) == figure(rival):
         return "inherit"
-    if max(abs(value), abs(rival)) < _TINY:  # both read as nothing
+    if max(abs(value), abs(rival)) < TINY:  # both read as nothing
         return "inherit"
     both = math.isfinite(value) and math.isfinite(rival)
     if both and abs(value - rival) <= _DIFFERENCE * max(abs(value), abs(rival)):
         return "inherit"
     return GOOD if value < rival else BAD
-
-
-def _text(value: float) -> str:
-    if math.isnan(value):
-        return "–"
-    if math.isinf(value):
-        return "never"
-    return f"{value:.4f}" if _TINY < value < _SMALL else number(value)

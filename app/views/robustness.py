@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import viser
 
@@ -11,7 +9,7 @@ from app.palette import BAD, MUTED, PID, RUN
 from app.state import AppState
 from app.state.study import PLANTS, Outcome, StudyCancelled, StudyChosen, StudyOrdered
 from app.store import Shown, Store
-from app.widgets import ChoiceGroup, div, escape, number, on_input, progress_bar
+from app.widgets import ChoiceGroup, div, escape, figure, number, on_input, progress_bar
 from robot.robustness import SPREAD, Spread, histogram, percentile
 
 _FIGURES = {
@@ -20,8 +18,6 @@ _FIGURES = {
     "steady_state_error": ("steady-state error", "%"),
     "rms_error": ("RMS error", "%"),
 }
-_TINY, _SMALL = 5e-4, 0.01
-"""Numbers between are shown with four decimals: three significant digits would be too wide."""
 _WIDTH, _HEIGHT = 330, 70
 """Of the histogram, in pixels."""
 
@@ -93,12 +89,7 @@ def _outcome_html(outcome: Outcome, is_present: bool) -> str:
 
 
 def _text(found: Spread, name: str, percent: float) -> str:
-    value = percentile(getattr(found, name), percent)
-    if math.isnan(value):
-        return "–"
-    if math.isinf(value):
-        return "never"
-    return f"{value:.4f}" if _TINY < value < _SMALL else number(value)
+    return figure(percentile(getattr(found, name), percent))
 
 
 def _share(found: Spread) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import msgspec
 import numpy as np
@@ -14,6 +14,8 @@ from fuzzy.system import FuzzySystem, Inference, Input, Output, Rule, RuleBase, 
 from fuzzy.validation.rules import TermNames, check_rule, check_table
 from fuzzy.validation.texts import check_count, check_name, check_text, check_unique
 from fuzzy.validation.variables import check_output, check_variable
+
+_Struct = TypeVar("_Struct", bound=msgspec.Struct)
 
 
 class _Frame(NamedTuple):
@@ -77,7 +79,7 @@ def _in_known_frame(system: FuzzySystem) -> FuzzySystem | None:
         return None
     try:
         if table is not None:
-            table = msgspec.convert(msgspec.to_builtins(table, enc_hook=_plain), RuleTable)
+            table = _converted(table, RuleTable)
         known = enumerate(zip(listed, frame.rules.get_each(listed), strict=True))
         rules = tuple([valid or _new_rule(rule, frame, index) for index, (rule, valid) in known])
     except (msgspec.ValidationError, RecursionError, TypeError, ValueError, OverflowError):
@@ -89,7 +91,7 @@ def _in_known_frame(system: FuzzySystem) -> FuzzySystem | None:
 
 
 def _new_rule(given: Rule, frame: _Frame, index: int) -> Rule:
-    rule = msgspec.convert(msgspec.to_builtins(given, enc_hook=_plain), Rule)
+    rule = _converted(given, Rule)
     check_rule(rule, frame.input_terms, frame.output_terms, f"rules.list[{index}]")
     _keep(given, rule, frame)
     return rule
@@ -145,12 +147,17 @@ def _typed(system: FuzzySystem) -> FuzzySystem:
     if not isinstance(system, FuzzySystem):
         raise InvalidSystemError(f"expected a FuzzySystem, found {type(system).__name__}")
     try:
-        return msgspec.convert(msgspec.to_builtins(system, enc_hook=_plain), FuzzySystem)
+        return _converted(system, FuzzySystem)
     except msgspec.ValidationError as error:
         message, _, place = str(error).partition(" - at `$")
         raise InvalidSystemError(message, place.strip("`.")) from None
     except (RecursionError, TypeError, ValueError, OverflowError) as error:
         raise InvalidSystemError(f"the document holds what the schema does not: {error}") from None
+
+
+def _converted(value: object, kind: type[_Struct]) -> _Struct:
+    """Return a part of a document with the types of the schema, or raise what msgspec raises."""
+    return msgspec.convert(msgspec.to_builtins(value, enc_hook=_plain), kind)
 
 
 def _plain(value: object) -> object:
