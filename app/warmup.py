@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 import threading
 from collections.abc import Callable
@@ -35,6 +36,9 @@ def warm_up(document: FuzzySystem, post: Callable[[Event], None]) -> None:
             step(document)
         finally:
             say.cancel()
+    # Modules, kernels and widgets stay for good. To look for garbage among them would stop all threads for 0.1 s.
+    gc.collect()
+    gc.freeze()
     post(Progressed(None))
 
 

@@ -18,6 +18,7 @@ from app import experiment
 from app.experiment import Experiment
 from app.runner.advice import advise
 from app.runner.live import PATIENCE, LiveSimulation
+from app.scene.landscape import landscape
 from app.state import Advised, Event, Notice, Noticed, Result, RunFinished, Setup, SurfaceFound
 from fuzzy import analysis
 from fuzzy.errors import FuzzyError
@@ -132,12 +133,12 @@ class Previews:
         document = controller.system
         if document == self._drawn:
             return
-        surface = None
+        found = None
         if len(document.inputs) == 2:
             row, column = (variable.name for variable in document.inputs)
-            surface = analysis.surface(controller, column, row, SURFACE_POINTS)
+            found = landscape(document, analysis.surface(controller, column, row, SURFACE_POINTS))
         self._drawn, self._drawn_at = document, time.monotonic()
-        self._post(SurfaceFound(document, surface))
+        self._post(SurfaceFound(document, found))
 
 
 def result_of(wanted: Experiment) -> Result:

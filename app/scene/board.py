@@ -34,18 +34,66 @@ _FACES = np.array(
     dtype=np.uint32,
 )  # fmt: skip
 
-Key = tuple[str | tuple[str, ...], ...]
+
+class _Side:
+    """The names along a side of the board, which stay when their number changes: a new label costs as much as six.
+
+    Args:
+        scene: Where they are added.
+        node: Name of their place in the scene.
+        is_column: Whether the terms of the columns are named, from left to right; otherwise those of the rows.
+    """
+
+    def __init__(self, scene: viser.SceneApi, node: str, *, is_column: bool) -> None:
+        self._scene = scene
+        self._node = node
+        self._is_column = is_column
+        self._labels: list[Any] = []
+        self._shown: tuple[str, ...] = ()
+
+    def name(self, variable: Variable) -> None:
+        """Show the terms' names, unless they are too many, and the variable's beyond their end."""
+        names = _names(variable)
+        if len(names) > _MOST_LABELS:
+            names = ()
+        before, self._shown = self._shown, (variable.name, *names)
+        if self._shown == before:
+            return
+        if len(self._shown) != len(before):
+            self._place(len(names))
+        for label, text in zip(self._labels, self._shown, strict=False):
+            put(label, text=text)
+
+    def set_visible(self, is_visible: bool) -> None:
+        """Show or hide the names."""
+        for number, label in enumerate(self._labels):
+            put(label, visible=is_visible and number < len(self._shown))
+
+    def _place(self, count: int) -> None:
+        """Put the variable's label beyond the end and ``count`` others beside their tiles."""
+        margin = -_LABEL_DISTANCE / SIDE
+        along = [1.0 - 1.4 * margin, *((k + 0.5) / count for k in range(count))]
+        shares = np.array([(margin, share) if self._is_column else (share, margin) for share in along])
+        for number, (x, y) in enumerate(shares_to_floor(shares, BOARD).tolist()):
+            if number < len(self._labels):
+                self._labels[number].position = (x, y, BOARD[2])
+                continue
+            label = self._scene.add_label(
+                f"{self._node}/{number}", "", position=(x, y, BOARD[2]), anchor="center-center",
+                font_screen_scale=0.75 if number else 0.95,
+            )  # fmt: skip
+            self._labels.append(label)
 
 
 class BoardView:
-    """Tiles and their names, made anew only for another grid."""
+    """Tiles and their names; the tiles are made anew only for another number of them."""
 
     def __init__(self, scene: viser.SceneApi, store: Store) -> None:
         self._scene = scene
         self._store = store
-        self._key: Key | None = None
+        self._size = (0, 0)
         self._tiles: Any = None
-        self._labels: list[Any] = []
+        self._sides = (_Side(scene, "/board/row", is_column=False), _Side(scene, "/board/column", is_column=True))
         self._numbers = np.empty(0, dtype=np.int64)
         self._colors = np.empty((0, 3))
         self._strengths = np.empty(0)
@@ -61,14 +109,13 @@ class BoardView:
             self._set_visible(False)
             return
         rows, columns, output = grid_variables(state.document, shown)
-        key = (rows.name, _names(rows), columns.name, _names(columns))
-        is_new = key != self._key
+        size = (len(rows.terms), len(columns.terms))
+        is_new = size != self._size
         if is_new:
-            if self._key is None or [len(names) for names in key[1::2]] != [len(names) for names in self._key[1::2]]:
-                self._build(rows, columns)
-            else:
-                self._rename(rows, columns)
-            self._key = key
+            self._size = size
+            self._build(*size)
+        for side, variable in zip(self._sides, (rows, columns), strict=True):
+            side.name(variable)
         self._set_visible(True)
         names = _names(output)
         cells = [cell for row in edits.grid_cells(state.document, shown) for cell in row]
@@ -99,11 +146,10 @@ class BoardView:
         self._tiles.batched_scales = scales
         self._tiles.batched_colors = linear(self._colors + (255.0 - self._colors) * glow)
 
-    def _build(self, rows: Variable, columns: Variable) -> None:
-        for part in (self._tiles, *self._labels):
-            if part is not None:
-                part.remove()
-        n, m = len(rows.terms), len(columns.terms)
+    def _build(self, n: int, m: int) -> None:
+        """Put n rows of m tiles in the place of those that are there."""
+        if self._tiles is not None:
+            self._tiles.remove()
         i, j = np.divmod(np.arange(n * m), m)
         floor = shares_to_floor(np.stack([(i + 0.5) / n, (j + 0.5) / m], axis=1), BOARD)
         positions = np.concatenate([floor, np.full((n * m, 1), BOARD[2])], axis=1)
@@ -116,50 +162,18 @@ class BoardView:
             cast_shadow=False, receive_shadow=False,
         )  # fmt: skip
         self._tiles.on_click(self._clicked)
-        self._labels = [
-            *self._name_side("row", rows, along_rows=True),
-            *self._name_side("column", columns, along_rows=False),
-        ]
-
-    def _rename(self, rows: Variable, columns: Variable) -> None:
-        """Change the names alone: 17 labels that are made anew take longer than all else that an edit changes."""
-        texts = [*_texts(rows), *_texts(columns)]
-        for label, text in zip(self._labels, texts, strict=True):
-            put(label, text=text)
-
-    def _name_side(self, side: str, variable: Variable, *, along_rows: bool) -> list[Any]:
-        """Add the terms' names along a side, and the variable's beyond their end."""
-        texts = _texts(variable)
-        shares = [(k + 0.5) / (len(texts) - 1) for k in range(len(texts) - 1)]
-        margin = -_LABEL_DISTANCE / SIDE
-        places = [(share, margin) if along_rows else (margin, share) for share in shares]
-        end = 1.0 + 1.4 * _LABEL_DISTANCE / SIDE
-        places.append((end, margin) if along_rows else (margin, end))
-        floor = shares_to_floor(np.array(places), BOARD)
-        return [
-            self._scene.add_label(
-                f"/board/{side}/{k}", text, position=(float(x), float(y), BOARD[2]), anchor="center-center",
-                font_screen_scale=0.75 if k < len(texts) - 1 else 0.95,
-            )
-            for k, ((x, y), text) in enumerate(zip(floor, texts, strict=True))
-        ]  # fmt: skip
 
     def _set_visible(self, is_visible: bool) -> None:
-        for part in (self._tiles, *self._labels):
-            if part is not None and part.visible != is_visible:
-                part.visible = is_visible
+        if self._tiles is not None:
+            put(self._tiles, visible=is_visible)
+        for side in self._sides:
+            side.set_visible(is_visible)
 
     async def _clicked(self, event: viser.SceneNodePointerEvent[Any]) -> None:
         state, number = self._store.state, event.instance_index
         edit = None if number is None else painted(state, number)
         if edit is not None:
             self._store.dispatch(edit)
-
-
-def _texts(variable: Variable) -> list[str]:
-    """Return what is written along a side: the terms' names unless they are too many, and the variable's."""
-    names = _names(variable)
-    return [*(names if len(names) <= _MOST_LABELS else ()), variable.name]
 
 
 def _names(variable: Variable) -> tuple[str, ...]:

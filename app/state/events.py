@@ -7,11 +7,10 @@ from typing import Any
 
 import msgspec
 
-from app.state.model import Advice, Notice, Question, Result, Source, Upload, Work
+from app.state.model import Advice, Landscape, Notice, Question, Result, Source, Upload, Work
 from app.state.setup import Setup
 from app.state.study import StudyEvent
 from app.storage import Stamp
-from fuzzy.analysis import Surface
 from fuzzy.finding import Finding
 from fuzzy.system import FuzzySystem
 
@@ -148,7 +147,7 @@ class SurfaceFound(msgspec.Struct, frozen=True, eq=False):
     """The control surface of ``document`` was computed; None where it has none."""
 
     document: FuzzySystem
-    surface: Surface | None
+    landscape: Landscape | None
 
 
 class Advised(msgspec.Struct, frozen=True, eq=False):

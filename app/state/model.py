@@ -187,6 +187,13 @@ class Kept(NamedTuple):
     setup: Setup
 
 
+class Landscape(NamedTuple):
+    """A control surface, and its mesh in the scene as binary glTF."""
+
+    surface: Surface
+    mesh: bytes
+
+
 class Runs(msgspec.Struct, frozen=True, eq=False):
     """Whole simulated scenarios: the present one, the one before the last edit, under plain PID control, and kept."""
 
@@ -194,7 +201,7 @@ class Runs(msgspec.Struct, frozen=True, eq=False):
     before: Result | None = None
     pid: Result | None = None
     kept: tuple[Kept, ...] = ()
-    surface: Surface | None = None  # of the document that ran; None for more or fewer than two inputs
+    landscape: Landscape | None = None  # of the document that ran; None for more or fewer than two inputs
     advice: tuple[Advice, ...] | None = None  # on the present run; None while it is worked out
 
 

@@ -129,7 +129,7 @@ def update(state: AppState, event: Event) -> AppState:  # noqa: C901
             runs = _replace(state.runs, current=event.result, pid=event.pid, advice=None)
             return _replace(state, runs=runs, findings=event.findings)
         case SurfaceFound():
-            return _replace(state, runs=_replace(state.runs, surface=event.surface))
+            return _replace(state, runs=_replace(state.runs, landscape=event.landscape))
         case Advised():
             if event.result is not state.runs.current:
                 return state

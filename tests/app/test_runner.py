@@ -462,8 +462,8 @@ def test_the_surface_comes_at_once_and_the_advice_when_the_hand_pauses(live: Liv
     assert told.advice
     surfaces = [event for event in posts.events if isinstance(event, SurfaceFound)]
     assert surfaces[-1].document == spoilt
-    assert surfaces[-1].surface is not None
-    middle = surfaces[-1].surface.value[20, 20]
+    assert surfaces[-1].landscape is not None
+    middle = surfaces[-1].landscape.surface.value[20, 20]
     assert middle == fuzzy.compile_system(spoilt)(0.0, 0.0)
 
 
@@ -472,4 +472,4 @@ def test_a_system_that_is_no_surface_has_none(live: LiveSimulation, posts: Posts
     previews.request(three_inputs(), Setup(controller="pid"))
     found = wait_for(lambda: next((one for one in posts.events if isinstance(one, SurfaceFound)), None), "no surface")
     previews.stop()
-    assert found.surface is None
+    assert found.landscape is None

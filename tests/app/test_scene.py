@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import io
+import math
 from collections.abc import Callable, Coroutine, Iterator
 from functools import partial
 from pathlib import Path
@@ -21,6 +22,7 @@ from app import experiment, guard
 from app.runner import Frame, result_of
 from app.runner.frames import ghosts, row_at
 from app.scene.board import BoardView
+from app.scene.landscape import landscape
 from app.scene.scene import Scene, look
 from app.scene.stage import CAMERAS, NARROW, base_height, to_plane, to_scene
 from app.state import (
@@ -63,7 +65,7 @@ class Stage:
             real(message)
 
         interface.queue_message = queue_message
-        self.store = Store(initial(DIAGONAL), self.loop)
+        self.store = Store(initial(DIAGONAL), self.loop, turn_seconds=math.inf)
         self.run(self._build)
 
     def _build(self) -> None:
@@ -152,15 +154,15 @@ def test_tiles_rise_with_what_fires_and_are_as_many_as_cells(stage: Stage, resul
 
 
 def test_names_on_the_board_follow_a_renaming(stage: Stage) -> None:
-    label, tiles = stage.node("/board/row/0"), stage.node("/board/tiles")
+    label, tiles = stage.node("/board/row/1"), stage.node("/board/tiles")
     assert label.text == "NB"
     stage.dispatch(
         Edit("rename", partial(edits.rename_term, variable="e", term="NB", name="far left")),
         Edit("rename", partial(edits.rename_variable, variable="e", name="error")),
     )
-    assert stage.node("/board/row/0") is label
+    assert stage.node("/board/row/1") is label
     assert stage.node("/board/tiles") is tiles
-    assert (label.text, stage.node("/board/row/7").text) == ("far left", "error")
+    assert (label.text, stage.node("/board/row/0").text) == ("far left", "error")
 
 
 def test_tiles_have_the_colours_of_what_they_conclude(stage: Stage) -> None:
@@ -173,7 +175,7 @@ def test_tiles_have_the_colours_of_what_they_conclude(stage: Stage) -> None:
 
 
 def test_a_frame_updates_the_scene_in_place_and_hidden_layers_send_nothing(stage: Stage, result: Result) -> None:
-    surface = analysis.surface(fuzzy.compile_system(DIAGONAL), "de", "e", (11, 11))
+    surface = landscape(DIAGONAL, analysis.surface(fuzzy.compile_system(DIAGONAL), "de", "e", (11, 11)))
     stage.dispatch(finished(result), SurfaceFound(DIAGONAL, surface))
     for row in (0, 50, 100):
         stage.show(frame(result, row))
@@ -192,7 +194,7 @@ def test_a_frame_updates_the_scene_in_place_and_hidden_layers_send_nothing(stage
 
 
 def test_rendering_again_sends_nothing(stage: Stage, result: Result) -> None:
-    surface = analysis.surface(fuzzy.compile_system(DIAGONAL), "de", "e", (11, 11))
+    surface = landscape(DIAGONAL, analysis.surface(fuzzy.compile_system(DIAGONAL), "de", "e", (11, 11)))
     state = stage.dispatch(finished(result), SurfaceFound(DIAGONAL, surface), Selected({"others": (3,)}))
     stage.sent.clear()
     for _ in range(3):
@@ -240,7 +242,7 @@ def test_a_hand_pulls_where_it_grips_and_only_to_a_sensible_place(stage: Stage, 
 
 
 def test_the_surface_is_drawn_once_a_document_with_places_for_the_chosen(stage: Stage, result: Result) -> None:
-    surface = analysis.surface(fuzzy.compile_system(DIAGONAL), "de", "e", (11, 11))
+    surface = landscape(DIAGONAL, analysis.surface(fuzzy.compile_system(DIAGONAL), "de", "e", (11, 11)))
     stage.dispatch(finished(result), SurfaceFound(DIAGONAL, surface))
     meshes = [message for message in stage.sent if isinstance(message, _messages.GlbMessage)]
     assert len(meshes) == 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -31,6 +32,7 @@ def started(folder: Path, document: FuzzySystem) -> Iterator[Workbench]:
         yield workbench
     finally:
         workbench.stop()
+        gc.unfreeze()
 
 
 def state_where(workbench: Workbench, holds: Callable[[AppState], bool], what: str) -> AppState:
@@ -50,6 +52,7 @@ def test_it_simulates_the_document_that_it_opens_and_ends_all_its_threads(tmp_pa
         assert state.document == DIAGONAL
         assert (state.file, state.files) == ("mine.yaml", ("mine.yaml",))
         assert state.progress is None
+        assert gc.get_freeze_count() > 10_000, "what stays for good is looked through again and again"
         mine = [
             thread for thread in set(threading.enumerate()) - before if thread.name in {"previews", "live simulation"}
         ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
+import math
 import threading
 from collections.abc import Iterator
 from functools import partial
@@ -18,6 +19,7 @@ from viser import _messages
 
 import fuzzy
 from app import guard
+from app.scene.landscape import landscape
 from app.state import (
     CHARTS,
     LAYERS,
@@ -78,14 +80,14 @@ class Part:
     def shows(self, state: AppState) -> Shown:
         return (getattr(state, self.field),)
 
-    def render(self, state: AppState) -> None:
+    def render(self, state: AppState) -> bool | None:
         self.count += 1
 
 
 @pytest.fixture
 def store() -> Iterator[Store]:
     loop = asyncio.new_event_loop()
-    yield Store(initial(DIAGONAL), loop)
+    yield Store(initial(DIAGONAL), loop, turn_seconds=math.inf)
     loop.close()
 
 
@@ -136,7 +138,7 @@ def test_what_comes_too_late_is_dropped(store: Store) -> None:
 
 def test_a_view_that_fails_is_tried_again_with_the_next_event(store: Store, caplog: pytest.LogCaptureFixture) -> None:
     class Fragile(Part):
-        def render(self, state: AppState) -> None:
+        def render(self, state: AppState) -> bool | None:
             super().render(state)
             if self.count == 2:
                 raise ValueError("once")
@@ -155,6 +157,65 @@ def test_a_value_that_was_cleaned_to_the_one_before_is_put_back(screen: Screen) 
     screen.send(count, 5.3)
     assert count.value == 5
     screen.dispatch(DesignChanged({"count": None}))
+
+
+# Turns of the loop
+
+
+class Slow(Part):
+    """A view that takes several turns, and notes what it shows in each."""
+
+    def __init__(self, field: str, parts: int, seen: list[tuple[str, object]]) -> None:
+        super().__init__(field)
+        self.parts = self.left = parts
+        self.seen = seen
+
+    def render(self, state: AppState) -> bool:
+        super().render(state)
+        self.seen.append((self.field, getattr(state, self.field)))
+        self.left = (self.left or self.parts) - 1
+        return self.left > 0
+
+
+def test_views_share_the_loop_and_end_with_the_newest_state() -> None:
+    async def use() -> None:
+        store = Store(initial(DIAGONAL), asyncio.get_running_loop(), turn_seconds=0.0)
+        seen: list[tuple[str, object]] = []
+        store.add(Slow("brush", 3, seen), Slow("brush", 1, seen), Slow("playback", 1, seen))
+        assert len(seen) == 5, "what is added is shown at once"
+        seen.clear()
+        store.dispatch(Selected({"brush": "LL"}))
+        assert seen == [("brush", "LL")], "the others have to wait"
+        store.dispatch(Selected({"brush": "ML"}))
+        store.dispatch(PlaybackChanged({"speed": 2.0}))
+        turns = 0
+        while store._stale:
+            count = len(seen)
+            await asyncio.sleep(0)
+            assert len(seen) <= count + 1, "one view a turn"
+            turns += 1
+        assert turns >= 1
+        assert [value for field, value in seen if field == "brush"][1:] == ["ML"] * 3
+        assert seen[-1][0] == "playback" or ("playback", store.state.playback) in seen
+        before = len(seen)
+        for _ in range(5):
+            await asyncio.sleep(0)
+        assert len(seen) == before, "shown once"
+
+    asyncio.run(use())
+
+
+def test_what_waits_when_the_store_is_closed_is_not_shown() -> None:
+    async def use() -> None:
+        store = Store(initial(DIAGONAL), asyncio.get_running_loop(), turn_seconds=0.0)
+        parts = [Part("brush"), Part("brush")]
+        store.add(*parts)
+        store.dispatch(Selected({"brush": "LL"}))
+        store.close()
+        await asyncio.sleep(0)
+        assert [part.count for part in parts] == [2, 1]
+
+    asyncio.run(use())
 
 
 # What is shown
@@ -200,7 +261,9 @@ def drawn_anew(screen: Screen) -> dict[str, dict[str, Any]]:
 
 FINISHED = {document.name: finished(document) for document in (DIAGONAL, PILTAN)}
 SURFACES = {
-    document.name: SurfaceFound(document, analysis.surface(fuzzy.compile_system(document), "de", "e", (5, 5)))
+    document.name: SurfaceFound(
+        document, landscape(document, analysis.surface(fuzzy.compile_system(document), "de", "e", (5, 5)))
+    )
     for document in (DIAGONAL, PILTAN)
 }
 WIDER = partial(edits.set_range, variable="de", low=-9.0, high=9.0)
@@ -284,6 +347,25 @@ def test_views_that_are_passed_over_show_what_they_would_show_after_any_events(
 ) -> None:
     settle(screen)
     screen.dispatch(*(NAMED[name] for name in names))
+    assert_all_is_shown(screen)
+
+
+@given(st.lists(st.sampled_from(sorted(NAMED)), min_size=2, max_size=10))
+@settings(max_examples=20)
+def test_views_that_wait_for_their_turn_show_the_same_in_the_end(screen: Screen, names: list[str]) -> None:
+    settle(screen)
+    screen.store._turn_seconds = 0.0
+
+    async def dispatch() -> None:
+        for name in names:
+            screen.store.dispatch(NAMED[name])
+        while screen.store._stale:  # noqa: ASYNC110
+            await asyncio.sleep(0)
+
+    try:
+        asyncio.run_coroutine_threadsafe(dispatch(), screen.loop).result(60)
+    finally:
+        screen.store._turn_seconds = math.inf
     assert_all_is_shown(screen)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import itertools
+import math
 import re
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -66,7 +67,9 @@ Returned = TypeVar("Returned")
 class Screen:
     """All views over one server, driven as the workbench and a browser drive them."""
 
-    def __init__(self, server: viser.ViserServer, folder: Path, document: FuzzySystem) -> None:
+    def __init__(
+        self, server: viser.ViserServer, folder: Path, document: FuzzySystem, *, turn_seconds: float = math.inf
+    ) -> None:
         self.server = server
         self.loop = server.get_event_loop()
         self.sent: list[_messages.Message] = []
@@ -79,7 +82,8 @@ class Screen:
 
         interface.queue_message = queue_message
         cast("Any", server.gui)._resolve_client = lambda _: object()  # a client that is there
-        self.store = Store(initial(document, file="mine.yaml", stamp=STAMP, files=("mine.yaml",)), self.loop)
+        state = initial(document, file="mine.yaml", stamp=STAMP, files=("mine.yaml",))
+        self.store = Store(state, self.loop, turn_seconds=turn_seconds)
         self.on_loop(lambda: self._build(Storage(folder)))
 
     def _build(self, storage: Storage) -> None:

@@ -83,7 +83,8 @@ class PointsView:
         assert state is not None, "rendered before any callback"
         variable = chosen(state)
         low, high = extent(variable)
-        if not isinstance(values, tuple) or len(values) != len(self._thumbs):
+        is_shown = self._key[:1] == (variable.name,)
+        if not is_shown or not isinstance(values, tuple) or len(values) != len(self._thumbs):
             return None  # sent for thumbs that are there no more
         cleaned = [clean.number(value, low, high, "the point") for value in values]
         moved = [

@@ -44,6 +44,7 @@ class RulesView:
         self._store = store
         self._terms: tuple[tuple[str, ...], ...] = ()
         self._numbers = np.empty((0, 0), dtype=np.int64)
+        self._has_all = False
         gui.add_html(grid.BASE_STYLE)
         axes = AxesView(gui, store)
         self._style = gui.add_html("")
@@ -70,8 +71,8 @@ class RulesView:
         """Return the parts that are shown."""
         return state.document, state.design, state.brush
 
-    def render(self, state: AppState) -> None:
-        """Show the document's rules; rebuild the buttons only for other terms."""
+    def render(self, state: AppState) -> bool:
+        """Show the document's rules, as soon as there are as many buttons as it takes."""
         shown = shown_grid(state)
         for part in (self._fill, self._gains):
             put(part, visible=shown is not None)
@@ -80,9 +81,11 @@ class RulesView:
             self._table.content = div(f'<span style="color:{MUTED}">{text}</span>')
             self._brush.content = self._glow.content = ""
             self._numbers = np.empty((0, 0), dtype=np.int64)
-            return
+            return False
         rows, columns, output = grid_variables(state.document, shown)
-        self._ensure_buttons(rows, columns, output)
+        self._has_all = self._ensure_buttons(rows, columns, output)
+        if not self._has_all:
+            return True
         names = [term.name for term in output.terms]
         chosen = names.index(state.brush) if state.brush is not None else len(names)
         self._brush.content = grid.brush_html(names, self._brush_buttons.ids, chosen)
@@ -95,6 +98,7 @@ class RulesView:
             names,
             self._cell_buttons.ids,
         )
+        return False
 
     def show(self, frame: Frame) -> None:
         """Let cells and rules glow with the firing strengths of the chosen coordinate."""
@@ -113,15 +117,18 @@ class RulesView:
         marked = [(i, j) for i, j in state.design.marked if i < len(numbers) and j < len(numbers[0])]
         self._glow.content = grid.glow_html(strengths.round(2).tolist(), silent.tolist(), marked)
 
-    def _ensure_buttons(self, rows: Variable, columns: Variable, output: Variable) -> None:
-        """Let there be a hidden button for every cell and brush, named after the terms."""
+    def _ensure_buttons(self, rows: Variable, columns: Variable, output: Variable) -> bool:
+        """Have a hidden button for every cell and brush, named after the terms; return whether all are there."""
         terms = tuple(tuple(term.name for term in variable.terms) for variable in (rows, columns, output))
         if terms == self._terms:
-            return
+            return True
+        brushes = [*(f"brush {term.name}" for term in output.terms), "brush no rule"]
+        cells = [f"{row.name}, {column.name}" for row in rows.terms for column in columns.terms]
+        if self._brush_buttons.relabel(brushes) or self._cell_buttons.relabel(cells):
+            return False
         self._terms = terms
-        self._brush_buttons.relabel([*(f"brush {term.name}" for term in output.terms), "brush no rule"])
-        self._cell_buttons.relabel([f"{row.name}, {column.name}" for row in rows.terms for column in columns.terms])
         self._style.content = grid.focus_html(self._cell_buttons.ids, len(columns.terms))
+        return True
 
     def _choose(self, number: int) -> None:
         state = self._store.state
@@ -131,7 +138,7 @@ class RulesView:
 
     def _paint(self, number: int) -> None:
         edit = painted(self._store.state, number)
-        if edit is not None:
+        if edit is not None and self._has_all:  # until then the page shows the cells of another table
             self._store.dispatch(edit)
 
     def _filled(self, value: object) -> Edit | None:
