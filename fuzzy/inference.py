@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzy import rules
 from fuzzy.compiler import compile_tables
 from fuzzy.errors import InvalidInputError
-from fuzzy.kernels import address, defuzzify, inference
+from fuzzy.kernels import address, defuzzify, inference, lanes
 from fuzzy.kernels.jit import Kernel
 from fuzzy.kernels.tables import Tables
 from fuzzy.system import FuzzySystem, Rule
@@ -166,9 +166,10 @@ class Controller:
         y = np.tile(self.tables.outputs.no_fire_value, (len(rows), 1))
         n_parts = max(1, min(len(rows) // _ROWS_PER_THREAD, _processors()))
         bounds = [len(rows) * part // n_parts for part in range(n_parts + 1)]
+        shape = lanes.block_shape(int(self.tables.inputs.term_start[-1]), self.tables.outputs.shape.size)
         directories = [self.directory() for _ in range(n_parts)]
         parts = [
-            functools.partial(inference.evaluate_rows, own.address, rows, y, start, end)
+            functools.partial(lanes.evaluate_rows, own.address, rows, y, start, end, np.empty(shape))
             for own, start, end in zip(directories, bounds[:-1], bounds[1:], strict=True)
         ]
         threads = [threading.Thread(target=part) for part in parts[1:]]

@@ -28,7 +28,8 @@ DEFUZZIFIERS = {
 }
 """The kernel of each method: f(address, output) -> crisp output, NaN where it is undefined."""
 
-_TINY = 2.0**-500
+TINY = 2.0**-500
+"""Largest level below which an aggregated set is computed larger than it is."""
 _GAIN = 2.0**450
 
 
@@ -69,6 +70,10 @@ def aggregate(address, fired):
             if before == 0.0 or separate:
                 output = rules.consequent_output[at(c)]
                 n = rules.member_start[at(output)] + n_members[at(output)]
+                # In the order of the terms: no sum over members depends on the order of the rules.
+                while not separate and n > rules.member_start[at(output)] and member[at(n - 1)] > k:
+                    member[at(n)] = member[at(n - 1)]
+                    n -= 1
                 member[at(n)] = k
                 level[at(n)] = strength
                 n_members[at(output)] += 1
@@ -79,7 +84,7 @@ def aggregate(address, fired):
             if not separate:
                 level[at(n)] = height[at(member[at(n)])]
             largest = max(largest, level[at(n)])
-        workspace.gain[at(output)] = 1.0 if largest >= _TINY or not scalable else _GAIN
+        workspace.gain[at(output)] = 1.0 if largest >= TINY or not scalable else _GAIN
 
 
 @borrowing_kernel

@@ -23,7 +23,12 @@ def clipped_set(address, index, height):
     row = outputs.cut_start[at(index + 1)] - 1
     while row > first and outputs.cut[at(row), 0] > height:
         row -= 1
-    cut = outputs.cut[at(row)]
+    return cut_below(outputs.cut[at(row)], height)
+
+
+@borrowing_kernel
+def cut_below(cut, height):
+    """Return area and moment below ``height`` by one row of ``OutputTables.cut``, an array or a tuple."""
     d = height - cut[0]
     return cut[1] + d * (cut[2] + d * cut[3]), cut[4] + d * (cut[5] + d * (cut[6] + d * cut[7]))
 
