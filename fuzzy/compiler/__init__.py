@@ -10,7 +10,7 @@ import numpy as np
 
 from fuzzy.compiler.inputs import compile_inputs
 from fuzzy.compiler.outputs import compile_outputs
-from fuzzy.compiler.rules import compile_rules
+from fuzzy.compiler.rules import CONSEQUENTS, compile_rules
 from fuzzy.kernels.tables import Tables
 from fuzzy.system import FuzzySystem
 
@@ -30,6 +30,7 @@ def compile_tables(system: FuzzySystem) -> Tables:
     inputs, input_entries = compile_inputs(system.inputs)
     outputs, output_entries = compile_outputs(system.outputs, system.inference)
     rule_tables, rule_entries = compile_rules(system)
-    listed = np.concatenate([input_entries, rule_entries, output_entries])
-    listed.flags.writeable = False
+    listed = np.concatenate((input_entries, rule_entries, output_entries))
+    listed[len(input_entries) + CONSEQUENTS, 0] = rule_tables.consequent_term.ctypes.data
+    listed.setflags(write=False)
     return Tables(inputs, rule_tables, outputs, listed)

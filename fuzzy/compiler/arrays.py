@@ -33,5 +33,5 @@ def starts(lengths: Iterable[int]) -> Integers:
 def frozen(arrays: tuple[np.ndarray, ...]) -> tuple[np.ndarray, ...]:
     """Make arrays read-only and return them."""
     for array in arrays:
-        array.flags.writeable = False
+        array.setflags(write=False)
     return arrays

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import itertools
 from typing import NamedTuple, assert_never
 
 import numpy as np
@@ -52,11 +51,21 @@ _HEDGE = {
 
 Names = dict[tuple[str, str], int]
 
+_NO_RULE = -1
+
+
+class _Antecedent(NamedTuple):
+    """A listed rule without what it concludes."""
+
+    program: tuple[int, ...]  # in postfix order
+    weight: float
+    n_consequents: int
+
 
 class _Listed(NamedTuple):
     """A listed rule."""
 
-    program: tuple[int, ...]  # the antecedent in postfix order
+    antecedent: _Antecedent
     terms: tuple[int, ...]  # the consequents
 
 
@@ -66,7 +75,7 @@ class _Numbering(NamedTuple):
     places: dict[str, int]  # of the inputs
     n_inputs: int  # how many terms they have
     antecedent: Names  # the inputs' terms, and behind them the outputs'
-    consequent: Names
+    consequent: dict[str, dict[str | None, int]]  # the terms of each output, and what stands for none of them
     output_of_term: Integers
     n_outputs: int
     listed: ByIdentity[_Listed]  # rules that have been compiled with these numbers
@@ -86,11 +95,15 @@ class _Frame(NamedTuple):
 
     before: tuple[np.ndarray, ...]
     behind: tuple[np.ndarray, ...]
-    entries: Integers  # of all fields; that of consequent_term stands for another one
+    entries: Integers  # of all fields; that of consequent_term lacks the address
+
+
+CONSEQUENTS = RuleTables._fields.index("consequent_term")
+"""Which of the rules' entries in a directory is without an address."""
 
 
 def compile_rules(system: FuzzySystem) -> tuple[RuleTables, Integers]:
-    """Return the rules' tables and their entries in a directory.
+    """Return the rules' tables and their entries in a directory, as if ``consequent_term`` stood at address 0.
 
     Raises:
         InvalidSystemError: When a rule names a variable or a term that is not there.
@@ -98,63 +111,61 @@ def compile_rules(system: FuzzySystem) -> tuple[RuleTables, Integers]:
     numbering = _number(system.inputs, system.outputs)
     grid, terms = _compile_table(system.rules.table, numbering)
     listed = _compile_list(system.rules.list, numbering)
-    consequents = [rule.terms for rule in listed]
-    concluded = integers([*terms, *itertools.chain.from_iterable(consequents)])
+    for rule in listed:
+        terms += rule.terms
+    concluded = integers(terms)
     frame = _compile_frame(
         grid,
-        tuple([rule.program for rule in listed]),
-        tuple([rule.weight for rule in system.rules.list]),
-        tuple(map(len, consequents)),
+        tuple([rule.antecedent for rule in listed]),
         numbering.output_of_term[concluded].tobytes() if numbering.n_outputs > 1 else b"",
         numbering.n_outputs,
         (T_NORM[system.inference.conjunction], S_NORM[system.inference.disjunction]),
     )
-    tables = RuleTables(*frame.before, *frozen((concluded,)), *frame.behind)
-    found = frame.entries.copy()
-    found[len(frame.before)] = entries((concluded,))
-    return tables, found
+    concluded.setflags(write=False)
+    return RuleTables._make((*frame.before, concluded, *frame.behind)), frame.entries
 
 
 @remembered(KEPT)
 def _number(inputs: tuple[Input, ...], outputs: tuple[Output, ...]) -> _Numbering:
+    consequent: dict[str, dict[str | None, int]] = {output.name: {None: _NO_RULE} for output in outputs}
+    for number, (output, term) in enumerate(_term_keys(outputs)):
+        consequent[output][term] = number
     return _Numbering(
         {variable.name: place for place, variable in enumerate(inputs)},
         sum(len(variable.terms) for variable in inputs),
-        _term_numbers((*inputs, *outputs)),
-        _term_numbers(outputs),
+        {key: number for number, key in enumerate(_term_keys((*inputs, *outputs)))},
+        consequent,
         integers([number for number, variable in enumerate(outputs) for _ in variable.terms]),
         len(outputs),
         ByIdentity(MAX_RULES),
     )
 
 
-def _term_numbers(variables: tuple[Input | Output, ...]) -> Names:
-    keys = [(variable.name, term.name) for variable in variables for term in variable.terms]
-    return {key: number for number, key in enumerate(keys)}
+def _term_keys(variables: tuple[Input | Output, ...]) -> list[tuple[str, str]]:
+    return [(variable.name, term.name) for variable in variables for term in variable.terms]
 
 
 def _compile_table(table: RuleTable | None, numbering: _Numbering) -> tuple[_Table | None, list[int]]:
     """Return a table and the output terms that its rules conclude, row by row."""
     if table is None:
         return None, []
-    output, known = table.output, numbering.consequent
+    known = numbering.consequent.get(table.output, {})
     try:
-        terms = [known[output, cell] for row in table.cells for cell in row if cell is not None]
+        terms = [known[cell] for row in table.cells for cell in row]
     except KeyError as error:
-        raise InvalidSystemError(f"no output term '{' is '.join(error.args[0])}'", "rules.table") from None
-    shape = len(table.cells), len(table.cells[0])
-    is_full = len(terms) == shape[0] * shape[1]
-    filled = () if is_full else tuple([cell is not None for row in table.cells for cell in row])
+        raise InvalidSystemError(f"no output term '{table.output} is {error.args[0]}'", "rules.table") from None
+    filled: tuple[bool, ...] = ()
+    if _NO_RULE in terms:
+        filled = tuple([term != _NO_RULE for term in terms])
+        terms = [term for term in terms if term != _NO_RULE]
     axes = numbering.places[table.rows], numbering.places[table.columns]
-    return _Table(axes, shape, filled, len(terms)), terms
+    return _Table(axes, (len(table.cells), len(table.cells[0])), filled, len(terms)), terms
 
 
 @functools.lru_cache(maxsize=KEPT)
 def _compile_frame(
     grid: _Table | None,
-    programs: tuple[tuple[int, ...], ...],
-    weights: tuple[float, ...],
-    counts: tuple[int, ...],
+    listed: tuple[_Antecedent, ...],
     outputs: bytes,
     n_outputs: int,
     operators: tuple[int, int],
@@ -163,9 +174,7 @@ def _compile_frame(
 
     Args:
         grid: The table.
-        programs: The antecedents of the listed rules.
-        weights: Their weights.
-        counts: How many consequents each of them has.
+        listed: The listed rules.
         outputs: The output of each consequent, as an array's bytes; empty if there is only one output.
         n_outputs: How many there are.
         operators: Codes of AND and OR.
@@ -176,22 +185,26 @@ def _compile_frame(
         axes, n_cells = grid.axes, grid.n_cells
         filled = np.array(grid.filled) if grid.filled else np.ones(grid.shape[0] * grid.shape[1], dtype=bool)
         cells = integers(np.where(filled, np.cumsum(filled) - 1, -1)).reshape(grid.shape)
-    count = n_cells + sum(counts)
-    output_of = np.frombuffer(outputs, dtype=np.int64).copy() if outputs else np.zeros(count, dtype=np.int64)
+    counts = [1] * n_cells + [rule.n_consequents for rule in listed]
+    output_of = np.frombuffer(outputs, dtype=np.int64).copy() if outputs else np.zeros(sum(counts), dtype=np.int64)
     before = (
         integers(operators),
         cells,
         integers(axes),
-        integers([word for program in programs for word in program]),
-        starts(len(program) for program in programs),
-        numbers(weights),
-        starts([1] * n_cells + list(counts)),
+        integers([word for rule in listed for word in rule.program]),
+        starts(len(rule.program) for rule in listed),
+        numbers([rule.weight for rule in listed]),
+        starts(counts),
     )
     behind = (output_of, starts(np.bincount(output_of, minlength=n_outputs)))
-    return _Frame(before, behind, entries(frozen((*before, output_of, *behind))))
+    listed_entries = entries(frozen((*before, output_of, *behind)))
+    listed_entries[CONSEQUENTS, 0] = 0
+    return _Frame(before, behind, listed_entries)
 
 
 def _compile_list(listed: tuple[Rule, ...], numbering: _Numbering) -> list[_Listed]:
+    if not listed:
+        return []
     known = numbering.listed.get_each(listed)
     return [
         found or _compile_rule(rule, numbering, f"rules.list[{number}]")
@@ -202,11 +215,11 @@ def _compile_list(listed: tuple[Rule, ...], numbering: _Numbering) -> list[_List
 def _compile_rule(rule: Rule, numbering: _Numbering, path: str) -> _Listed:
     known = numbering.consequent
     for consequent in rule.consequents:
-        if (consequent.variable, consequent.term) not in known:
+        if consequent.term not in known.get(consequent.variable, {}):
             raise InvalidSystemError(f"no output term '{consequent.variable} is {consequent.term}'", path)
     program = _joined_by_all(_program(rule.antecedent, numbering.antecedent, path), numbering.n_inputs)
-    terms = tuple(known[consequent.variable, consequent.term] for consequent in rule.consequents)
-    compiled = _Listed(tuple(program), terms)
+    terms = tuple(known[consequent.variable][consequent.term] for consequent in rule.consequents)
+    compiled = _Listed(_Antecedent(tuple(program), rule.weight, len(terms)), terms)
     numbering.listed.put(compiled, rule)
     return compiled
 
