@@ -39,8 +39,7 @@ def centroid(address, output):
     account = workspace_at(address).scratch[: pieces.ACCOUNT]
     _follow(address, output, pieces.AREA)
     outputs = outputs_at(address)
-    middle = 0.5 * (outputs.range[output, 0] + outputs.range[output, 1])
-    return middle + account[pieces.MOMENT] / account[pieces.SUM] if account[pieces.SUM] > 0.0 else math.nan
+    return pieces.centre(account, 0.5 * (outputs.range[output, 0] + outputs.range[output, 1]))
 
 
 @addressed_kernel
@@ -53,9 +52,8 @@ def bisector(address, output):
     """
     account = workspace_at(address).scratch[: pieces.ACCOUNT]
     _follow(address, output, pieces.AREA)
-    if not account[pieces.SUM] > 0.0:
+    if not pieces.aim(account):
         return math.nan
-    account[pieces.TARGET] = 0.5 * account[pieces.SUM]
     _follow(address, output, pieces.HALF)
     return account[pieces.PLACE]
 

@@ -114,6 +114,19 @@ def _add_top(account, x0, x1, y0, y1):
 
 
 @borrowing_kernel
+def centre(account, origin):
+    """Return the centroid, after ``AREA`` with moments about ``origin``; NaN where there is no area."""
+    return origin + account[MOMENT] / account[SUM] if account[SUM] > 0.0 else math.nan
+
+
+@borrowing_kernel
+def aim(account):
+    """Let ``HALF`` look for half of the area that ``AREA`` has found; return whether there is any."""
+    account[TARGET] = 0.5 * account[SUM]
+    return account[SUM] > 0.0
+
+
+@borrowing_kernel
 def top(account, which):
     """Return one of the places at which the set is largest; NaN where it is 0 everywhere."""
     if account[BEST] <= 0.0:

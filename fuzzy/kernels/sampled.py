@@ -102,8 +102,7 @@ def polygon_centroid(address, output):
     outputs = outputs_at(address)
     account = workspace_at(address).scratch[: pieces.ACCOUNT]
     _follow_polygon(address, output, pieces.AREA)
-    middle = 0.5 * (outputs.range[output, 0] + outputs.range[output, 1])
-    return middle + account[pieces.MOMENT] / account[pieces.SUM] if account[pieces.SUM] > 0.0 else math.nan
+    return pieces.centre(account, 0.5 * (outputs.range[output, 0] + outputs.range[output, 1]))
 
 
 @addressed_kernel
@@ -116,9 +115,8 @@ def polygon_bisector(address, output):
     """
     account = workspace_at(address).scratch[: pieces.ACCOUNT]
     _follow_polygon(address, output, pieces.AREA)
-    if not account[pieces.SUM] > 0.0:
+    if not pieces.aim(account):
         return math.nan
-    account[pieces.TARGET] = 0.5 * account[pieces.SUM]
     _follow_polygon(address, output, pieces.HALF)
     return account[pieces.PLACE]
 

@@ -12,7 +12,7 @@ import numpy as np
 from robot.arm import Arm
 from robot.controllers.base import ADAPTED_GAUSSIANS, ADAPTED_SETS, Array, Law, keep_checked, law
 from robot.controllers.feedback_linearization import DAMPING_RATIO, NATURAL_FREQUENCY, placed
-from robot.controllers.fuzzy import ERROR_GAIN, RATE_GAIN, Controller, check_blocks
+from robot.controllers.fuzzy import Controller, check_blocks, input_scales
 from robot.controllers.fuzzy_pid import input_gains
 from robot.controllers.pid import INTEGRAL, PROPORTIONAL, Pid
 from robot.errors import InvalidControllerError
@@ -84,8 +84,7 @@ class AdaptiveFuzzyFlc(msgspec.Struct, frozen=True):
         """
         size = amplitude.size
         kp, kv = placed(natural_frequency, damping_ratio, size)
-        if natural_frequency == 0.0:
-            raise InvalidControllerError("found 0; valid: greater than 0", "natural_frequency")
+        ge, gc = input_scales(amplitude, natural_frequency)
         return AdaptiveFuzzyFlc(
             model=arm,
             inference=inference,
@@ -93,8 +92,8 @@ class AdaptiveFuzzyFlc(msgspec.Struct, frozen=True):
             kv=kv,
             gamma=(natural_frequency**5,) * size,
             leak=(LEAK,) * size,
-            ge=(ERROR_GAIN / amplitude).tolist(),
-            gc=(RATE_GAIN / (amplitude * natural_frequency)).tolist(),
+            ge=ge,
+            gc=gc,
         )
 
     def law(self) -> Law:

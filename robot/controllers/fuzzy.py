@@ -14,7 +14,7 @@ from fuzzy.kernels import firing, membership
 from fuzzy.kernels.address import Directory as Directory
 from fuzzy.kernels.address import inputs_at, workspace_at
 from fuzzy.kernels.inference import evaluate
-from fuzzy.kernels.jit import borrowing_kernel
+from fuzzy.kernels.jit import borrowing_kernel, inlined_kernel
 from robot.arm import Arm
 from robot.controllers.base import ADAPTED_GAUSSIANS, Array, Law, keep_checked, law
 from robot.controllers.feedback_linearization import DAMPING_RATIO, NATURAL_FREQUENCY, placed
@@ -89,8 +89,7 @@ class FuzzyFlc(msgspec.Struct, frozen=True):
             damping_ratio: ζ.
         """
         kp, kv = placed(natural_frequency, damping_ratio, amplitude.size)
-        if natural_frequency == 0.0:
-            raise InvalidControllerError("found 0; valid: greater than 0", "natural_frequency")
+        ge, gc = input_scales(amplitude, natural_frequency)
         return FuzzyFlc(
             model=arm,
             inference=inference,
@@ -98,8 +97,8 @@ class FuzzyFlc(msgspec.Struct, frozen=True):
             kv=kv,
             ki=(0.0,) * amplitude.size,
             gu=(OUTPUT_GAIN * natural_frequency**2 * amplitude).tolist(),
-            ge=(ERROR_GAIN / amplitude).tolist(),
-            gc=(RATE_GAIN / (amplitude * natural_frequency)).tolist(),
+            ge=ge,
+            gc=gc,
             band=(math.inf,) * amplitude.size,
         )
 
@@ -116,6 +115,21 @@ class FuzzyFlc(msgspec.Struct, frozen=True):
             output_scale=output_scale(self.inference),
             band=self.band,
         )
+
+
+def input_scales(amplitude: Array, natural_frequency: float) -> tuple[list[float], list[float]]:
+    """Return GE = 4/A and GC = 48/(A ωn), which spread a step of size A and its rates over the ranges of a block.
+
+    Args:
+        amplitude: (2N,) A, the positive size of every coordinate's motion, m and rad.
+        natural_frequency: ωn, rad/s.
+
+    Raises:
+        InvalidControllerError: A natural frequency of 0.
+    """
+    if natural_frequency == 0.0:
+        raise InvalidControllerError("found 0; valid: greater than 0", "natural_frequency")
+    return (ERROR_GAIN / amplitude).tolist(), (RATE_GAIN / (amplitude * natural_frequency)).tolist()
 
 
 def check_blocks(inference: Controller) -> None:
@@ -178,12 +192,22 @@ def fuzzy_blocks(
         if fired < 0:
             refused = i
         else:
-            counts[i, CLAMPED] += int(workspace.clamped[0] != x[i, 0] or workspace.clamped[1] != x[i, 1])
+            counts[i, CLAMPED] += _is_clamped(workspace.clamped, x[i])
             counts[i, UNDEFINED] += workspace.undefined[0]
-        for k in range(fired):
-            rule = workspace.fired[k]
-            activity[i, rule] = max(activity[i, rule], workspace.strength[rule])
+        _note_activity(workspace, fired, activity[i])
     return refused
+
+
+@inlined_kernel
+def _is_clamped(clamped, x):
+    return int(clamped[0] != x[0] or clamped[1] != x[1])
+
+
+@inlined_kernel
+def _note_activity(workspace, fired, activity):
+    for n in range(fired):
+        rule = workspace.fired[n]
+        activity[rule] = max(activity[rule], workspace.strength[rule])
 
 
 @borrowing_kernel
@@ -238,9 +262,7 @@ def adaptive_blocks(
             output[i] = math.nan
             refused = i
             continue
-        for k in range(firing.fire(address)):
-            rule = workspace.fired[k]
-            activity[i, rule] = max(activity[i, rule], workspace.strength[rule])
+        _note_activity(workspace, firing.fire(address), activity[i])
         if law.fuzzy == ADAPTED_GAUSSIANS:
             _gaussian_degrees(x[i, 0], inputs.range[0], degrees[:rows])
             _gaussian_degrees(x[i, 1], inputs.range[1], degrees[rows : rows + columns])
@@ -253,7 +275,7 @@ def adaptive_blocks(
                 basis[row * columns + column] = degrees[row] * degrees[rows + column]
                 total += basis[row * columns + column]
         share = 1.0 / total if total > 0.0 else 0.0
-        counts[i, CLAMPED] += int(workspace.clamped[0] != x[i, 0] or workspace.clamped[1] != x[i, 1])
+        counts[i, CLAMPED] += _is_clamped(workspace.clamped, x[i])
         counts[i, UNDEFINED] += int(total <= 0.0)
         rate = law.adaptation[0, i] * e[i] + law.adaptation[1, i] * de[i]
         value = 0.0
