@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from robot.simulation import Run
+from robot.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

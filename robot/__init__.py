@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from robot import controllers, dynamics, kinematics
     from robot.arm import Arm
     from robot.batch import batch_simulate
+    from robot.run import Run
     from robot.scenario import Scenario
-    from robot.simulation import Run, Simulation, simulate
+    from robot.simulation import Simulation, simulate
 
 __all__ = [
     "Arm",
@@ -32,7 +33,7 @@ __all__ = [
 _HOME = {
     "Arm": "arm",
     "Scenario": "scenario",
-    "Run": "simulation",
+    "Run": "run",
     "Simulation": "simulation",
     "simulate": "simulation",
     "batch_simulate": "batch",

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robot.run import Run
 from robot.scenario import Step
-from robot.simulation import Run
 
 LEAST = 0.5
 """Overshoot from which on it is worth a word, %."""

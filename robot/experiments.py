@@ -22,8 +22,9 @@ from robot.controllers.fuzzy import Controller as FuzzyController
 from robot.disturbance import BandLimitedNoise
 from robot.errors import RobotError
 from robot.robustness import percentile, random_arms, study
+from robot.run import Run
 from robot.scenario import Scenario
-from robot.simulation import Run, simulate
+from robot.simulation import simulate
 
 Case = Literal["clean", "noisy"]
 Variant = Literal["raw", "feasible"]

@@ -14,7 +14,7 @@ from app.commands.failure import UsageError
 if TYPE_CHECKING:
     from robot.controllers.fuzzy import Controller
     from robot.experiments import Overshoots, Robustness
-    from robot.simulation import Run
+    from robot.run import Run
 
 RULEBASE = Path(__file__).resolve().parents[2] / "rulebases" / "piltan.yaml"
 

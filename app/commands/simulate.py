@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from robot.arm import Arm
     from robot.controllers import ControlLaw
     from robot.metrics import Metrics
+    from robot.run import Run
     from robot.scenario import Mismatch, Scenario
-    from robot.simulation import Run
 
 MISMATCHES = ("mass", "stiffness", "damping")
 

@@ -11,7 +11,7 @@ from app.state import Kept
 from fuzzy.inference import Controller
 from robot.arm import Arm, parameters
 from robot.pull import Pull
-from robot.simulation import Run, Sample
+from robot.run import Run, Sample
 
 TICKS_PER_SECOND = 1000
 """Control steps in a simulated second."""

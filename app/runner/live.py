@@ -16,7 +16,8 @@ from robot.arm import Arm
 from robot.controllers import ControlLaw
 from robot.errors import RobotError
 from robot.pull import Pull
-from robot.simulation import Sample, Simulation
+from robot.run import Sample
+from robot.simulation import Simulation
 
 PATIENCE = 1.0
 """Wall time that a thread is given to end, s; one that is compiling kernels ends with the process."""

@@ -26,8 +26,9 @@ from fuzzy.inference import Controller
 from fuzzy.system import FuzzySystem
 from robot.arm import Arm
 from robot.errors import InvalidControllerError, RobotError
+from robot.run import Run
 from robot.scenario import Scenario
-from robot.simulation import Run, simulate
+from robot.simulation import simulate
 
 PICTURE_ROWS = 600
 """Rows of a run that a picture needs: more than a panel has pixels."""

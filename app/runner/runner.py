@@ -20,7 +20,7 @@ from robot import controllers
 from robot.arm import Arm
 from robot.controllers import ControlLaw
 from robot.pull import Pull
-from robot.simulation import Sample
+from robot.run import Sample
 
 Array = NDArray[np.float64]
 

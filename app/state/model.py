@@ -16,7 +16,7 @@ from fuzzy.analysis import Surface
 from fuzzy.finding import Finding
 from fuzzy.system import FuzzySystem, Rule
 from robot.metrics import Metrics
-from robot.simulation import Run
+from robot.run import Run
 
 DragMode = Literal["partition", "free"]
 PlaybackSource = Literal["live", "replay"]

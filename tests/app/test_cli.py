@@ -23,8 +23,8 @@ from fuzzy.inference import compile_system
 from robot import controllers
 from robot.arm import Arm
 from robot.disturbance import BandLimitedNoise
+from robot.run import Run
 from robot.scenario import Mismatch, Scenario
-from robot.simulation import Run
 
 ROOT = Path(__file__).parents[2]
 DIAGONAL = ROOT / "rulebases" / "diagonal.yaml"

@@ -52,7 +52,8 @@ from robot.arm import Arm
 from robot.controllers import FuzzyFlc
 from robot.errors import RobotError
 from robot.pull import Pull
-from robot.simulation import Run, simulate
+from robot.run import Run
+from robot.simulation import simulate
 from tests import strategies
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"

@@ -22,8 +22,9 @@ from robot.controllers import (
     ScaledPid,
 )
 from robot.errors import InvalidControllerError
+from robot.run import Run
 from robot.scenario import Mismatch
-from robot.simulation import Run, Simulation, simulate
+from robot.simulation import Simulation, simulate
 from tests.robot.test_simulation import CONTROLLER, SOFT, STEP, law
 
 SCALE = STEP.scale(3)

@@ -14,8 +14,9 @@ from robot.controllers import PdFlc, Pid, PidGravity
 from robot.disturbance import Pulse
 from robot.errors import InvalidScenarioError
 from robot.kernels.dynamics import SLIP_SPEED
+from robot.run import Run
 from robot.scenario import Hold, Payload, Scenario
-from robot.simulation import Run, Simulation, simulate
+from robot.simulation import Simulation, simulate
 from tests.robot.arms import random_state, uneven_arm
 
 SOFT = Arm.preset("soft")

@@ -20,8 +20,9 @@ from robot.disturbance import BandLimitedNoise, Pulse, Push
 from robot.errors import InvalidControllerError, RobotError, UnknownNameError
 from robot.kernels import dynamics as kernels
 from robot.kernels import integration
+from robot.run import Run
 from robot.scenario import Mismatch, Scenario, Sinus
-from robot.simulation import Run, Simulation, simulate
+from robot.simulation import Simulation, simulate
 from tests.robot.arms import uneven_arm
 
 SOFT = Arm.preset("soft")
