@@ -16,6 +16,7 @@ from tests.e2e.harness import (
     HIDE_SOFTWARE_RENDERER,
     LOAD_TIMEOUT_MS,
     ROOT,
+    SELDOM_DRAWN,
     TOUR_SEEN,
     Workbench,
     look_at,
@@ -29,7 +30,7 @@ expect.set_options(timeout=ANSWER_MS)
 def new_context(browser: Browser) -> BrowserContext:
     """Return a window of a usual size in a browser that has been here before."""
     context = browser.new_context(viewport={"width": 1600, "height": 900}, accept_downloads=True)
-    context.add_init_script(HIDE_SOFTWARE_RENDERER + TOUR_SEEN)
+    context.add_init_script(HIDE_SOFTWARE_RENDERER + SELDOM_DRAWN + TOUR_SEEN)
     context.set_default_timeout(ANSWER_MS)
     return context
 
@@ -55,7 +56,7 @@ def browser() -> Iterator[Browser]:
     if executable is None:
         pytest.fail(MISSING, pytrace=False)
     with sync_playwright() as playwright:
-        launched = playwright.chromium.launch(executable_path=executable, args=list(FLAGS))
+        launched = playwright.chromium.launch(executable_path=executable, args=[*FLAGS, "--disable-gpu-compositing"])
         yield launched
         launched.close()
 

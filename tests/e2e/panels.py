@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import FloatRect, Locator, Page, expect
 
-from tests.e2e.harness import LOAD_TIMEOUT_MS, settle
+from tests.e2e.harness import LOAD_TIMEOUT_MS, SCENE_PAUSE_MS, settle
 
 ANSWER_MS = 20_000
 """How long a busy machine may take for what takes a tenth of a second."""
@@ -25,8 +25,10 @@ def photograph(page: Page, name: str, part: FloatRect | None = None) -> Path:
     """Photograph a page, or a part of it, into ``tests/e2e/shots`` and return the picture's path."""
     SHOTS.mkdir(exist_ok=True)
     path = SHOTS / f"{name}.png"
+    page.evaluate("window.scenePause = 0; window.__viserMutable.requestRender()")
     settle(page)
     page.screenshot(path=path, timeout=LOAD_TIMEOUT_MS, clip=part)
+    page.evaluate("pause => window.scenePause = pause", SCENE_PAUSE_MS)
     return path
 
 

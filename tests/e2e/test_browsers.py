@@ -8,7 +8,14 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.e2e.harness import HIDE_SOFTWARE_RENDERER, LOAD_TIMEOUT_MS, Workbench, look_at, wait_until_ready
+from tests.e2e.harness import (
+    HIDE_SOFTWARE_RENDERER,
+    LOAD_TIMEOUT_MS,
+    SELDOM_DRAWN,
+    Workbench,
+    look_at,
+    wait_until_ready,
+)
 from tests.e2e.panels import ANSWER_MS, choose, choose_tab, column, field, photograph, restored, simulated_time, until
 
 pytestmark = pytest.mark.usefixtures("nothing_went_wrong")
@@ -19,7 +26,7 @@ def visitor(workbench: Workbench, page: Page, browser: Browser) -> Iterator[Page
     """A second browser, which has never been here."""
     assert page.url
     with contextlib.closing(browser.new_context(viewport={"width": 1366, "height": 768})) as context:
-        context.add_init_script(HIDE_SOFTWARE_RENDERER)
+        context.add_init_script(HIDE_SOFTWARE_RENDERER + SELDOM_DRAWN)
         context.set_default_timeout(ANSWER_MS)
         yield look_at(context, workbench.url)
 
