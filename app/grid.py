@@ -8,27 +8,34 @@ since an element that is replaced between press and release loses the click.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import viser
 
-from app.palette import GRID, MARK, MUTED, SURFACE, TEXT, css, ink, term_color
+from app.palette import GRID, MARK, MUTED, RGB, SURFACE, TEXT, css, ink, term_colors
 from app.widgets import FONT, element_id, escape, put
+from fuzzy import partition
+from fuzzy.system import Output
 
 GAP = 4
 """Pixels between cells."""
 
 BASE_STYLE = (
-    f"<style>.fw{{display:flex;align-items:center;justify-content:center;height:32px;border-radius:5px;"
-    f"font:600 12px {FONT};cursor:pointer;overflow:hidden;user-select:none;box-sizing:border-box}}"
-    f".fw:hover{{filter:brightness(1.12)}}"
-    f".fw-h{{display:flex;align-items:center;justify-content:center;font:500 12px {FONT};color:{MUTED};"
-    f"overflow:hidden;white-space:nowrap}}"
+    f"<style>.fw,.fw-h{{text-align:center;overflow:hidden;white-space:nowrap;text-overflow:ellipsis;min-width:0}}"
+    f".fw{{height:32px;padding:0 2px;border-radius:5px;font:600 12px/30px {FONT};"
+    f"cursor:pointer;user-select:none;box-sizing:border-box}}"
+    f".fw:hover{{filter:brightness(1.12)}}.fw-s{{height:24px;line-height:22px}}"
+    f".fw-h{{font:500 12px {FONT};line-height:32px;color:{MUTED}}}"
     f".fw-r{{display:block;padding:2px 6px;border-radius:4px;background:{SURFACE};color:{TEXT};cursor:pointer;"
     f"font:12px/1.4 {FONT};overflow-wrap:anywhere}}.fw-r:hover{{filter:brightness(1.2)}}</style>"
 )
 """How cells, headings and rows look."""
+
+_IN_LINE = 9
+"""Brushes that stand in one line; more stand in several, one fewer in each."""
+_BRUSH_HEIGHT = 206
+"""Pixels that the brushes may take; the rest is reached by scrolling."""
 
 PAGE = 8
 """Rows of a list that are shown at once."""
@@ -90,32 +97,48 @@ def _presser(on_press: Callable[[int], None], number: int) -> Callable[[viser.Gu
     return press
 
 
-def cell_style(index: int | None, count: int) -> str:
-    """Return the CSS of a cell with output term ``index`` of ``count``; None is a cell without a rule."""
-    if index is None:
+def cell_style(color: RGB | None) -> str:
+    """Return the CSS of a cell in the colour of its output term; None is a cell without a rule."""
+    if color is None:
         return f"background:transparent;border:1px dashed {GRID};color:{MUTED}"
-    color = term_color(index, count)
     return f"background:{css(color)};border:1px solid transparent;color:{ink(color)}"
 
 
-def brush_html(names: Sequence[str], ids: Sequence[str], chosen: int) -> str:
-    """Return the row of brushes: all output terms, then "none"."""
+def brush_html(output: Output, ids: Sequence[str]) -> str:
+    """Return the brushes: all output terms from the least value to the greatest, then "none".
+
+    Args:
+        output: The output that the table concludes.
+        ids: Of the hidden buttons, in the order of the terms; the last is that of "none".
+    """
+    count = len(output.terms)
+    names = [*(term.name for term in output.terms), "none"]
+    colors = [*term_colors(output), None]
+    places = partition.places(output)
+    is_one_line = count < _IN_LINE
     cells = []
-    count = len(names)
-    for number, (name, target) in enumerate(zip((*names, "none"), ids, strict=True)):
-        style = cell_style(number if number < count else None, count)
-        ring = "outline:2px solid #fff;outline-offset:1px" if number == chosen else ""
+    for number in (*sorted(range(count), key=places.__getitem__), count):
+        name = escape(names[number])
+        title = f"{name} at {places[number]:.4g} {escape(output.unit)}" if number < count else "no rule"
         cells.append(
-            f'<label for="{target}" id="brush{number}" class="fw" style="{style};{ring}">{escape(name)}</label>'
+            f'<label for="{ids[number]}" id="brush{number}" class="fw{"" if is_one_line else " fw-s"}" title="{title}" '
+            f'style="{cell_style(colors[number])}">{name}</label>'
         )
-    return _grid(cells, f"repeat({count + 1},minmax(0,1fr))")
+    if is_one_line:
+        return _grid(cells, f"repeat({len(cells)},minmax(0,1fr))")
+    return _grid(cells, f"repeat({_IN_LINE - 1},minmax(0,1fr))", f"max-height:{_BRUSH_HEIGHT}px;overflow-y:auto")
+
+
+def chosen_brush_html(number: int) -> str:
+    """Return the style sheet that frames the chosen brush; apart, since brushes that are replaced would scroll back."""
+    return f"<style>#brush{number}{{outline:2px solid #fff;outline-offset:1px}}</style>"
 
 
 def table_html(
     rows: tuple[str, Sequence[str]],
     columns: tuple[str, Sequence[str]],
     cells: Sequence[Sequence[str | None]],
-    consequents: Sequence[str],
+    colors: Mapping[str, RGB],
     ids: Sequence[str],
 ) -> str:
     """Return the rule table.
@@ -124,7 +147,7 @@ def table_html(
         rows: Name of the rows' variable and of its terms.
         columns: Likewise for the columns.
         cells: Consequent of each cell, None for no rule.
-        consequents: All output terms, in the order of their colours.
+        colors: Of all output terms.
         ids: Of the hidden buttons, row by row.
     """
     header = [f'<span class="fw-h">{escape(rows[0])} \\ {escape(columns[0])}</span>']
@@ -134,11 +157,11 @@ def table_html(
     for i, row in enumerate(cells):
         body.append(f'<span class="fw-h">{escape(rows[1][i])}</span>')
         for j, name in enumerate(row):
-            index = None if name is None else consequents.index(name)
+            color = None if name is None else colors[name]
             title = f"{rows[0]} is {rows[1][i]} and {columns[0]} is {columns[1][j]}"
             body.append(
                 f'<label for="{ids[i * width + j]}" id="cell{i}-{j}" class="fw" title="{escape(title)}" '
-                f'style="{cell_style(index, len(consequents))}">{escape(name or "·")}</label>'
+                f'style="{cell_style(color)}">{escape(name or "·")}</label>'
             )
     return _grid(body, f"minmax(2.6em,0.8fr) repeat({width},minmax(0,1fr))")
 
@@ -210,6 +233,6 @@ def glow_html(
     return f"<style>{''.join(lines)}</style>"
 
 
-def _grid(cells: Sequence[str], template: str) -> str:
-    style = f"display:grid;grid-template-columns:{template};gap:{GAP}px;padding:0.35em 0.75em"
+def _grid(cells: Sequence[str], template: str, style: str = "") -> str:
+    style = f"display:grid;grid-template-columns:{template};gap:{GAP}px;padding:0.35em 0.75em;{style}"
     return f'<div style="{style}">{"".join(cells)}</div>'

@@ -7,7 +7,7 @@ from functools import partial
 from app.state import AppState, Edit
 from fuzzy import edits
 from fuzzy.edits import Grid
-from fuzzy.system import FuzzySystem, Variable
+from fuzzy.system import FuzzySystem, Output, Variable
 
 MOST_CELLS = 400
 """Cells that a page can hold as buttons; a greater table is shown as text only."""
@@ -22,10 +22,11 @@ def shown_grid(state: AppState) -> Grid | None:
     return shown if len(rows.terms) * len(columns.terms) <= MOST_CELLS else None
 
 
-def grid_variables(system: FuzzySystem, shown: Grid) -> tuple[Variable, Variable, Variable]:
+def grid_variables(system: FuzzySystem, shown: Grid) -> tuple[Variable, Variable, Output]:
     """Return the variables along the rows and the columns of a grid, and its output."""
-    by_name: dict[str, Variable] = {variable.name: variable for variable in (*system.inputs, *system.outputs)}
-    return by_name[shown.rows], by_name[shown.columns], by_name[shown.output]
+    inputs = {variable.name: variable for variable in system.inputs}
+    outputs = {variable.name: variable for variable in system.outputs}
+    return inputs[shown.rows], inputs[shown.columns], outputs[shown.output]
 
 
 def painted(state: AppState, number: int) -> Edit | None:

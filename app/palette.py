@@ -1,11 +1,13 @@
-"""Colours: one diverging scale for consequents everywhere, and the roles of the runs."""
+"""Colours: one diverging scale for values of outputs everywhere, and the roles of the runs."""
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 from numpy.typing import NDArray
+
+from fuzzy import partition
+from fuzzy.identity import remembered
+from fuzzy.system import Output, Variable
 
 RGB = tuple[int, int, int]
 
@@ -20,7 +22,7 @@ _SCALE = np.array(
         (214, 95, 14),
     ]
 )
-"""Blue - grey - orange, from the first term of a variable to its last."""
+"""Blue - grey - orange, from the low end of a range to its high end."""
 
 RUN = "#4f8ff7"
 BEFORE = "#9fc0f9"
@@ -41,12 +43,18 @@ GRID = "#33363d"
 SURFACE = "#2b2d33"
 
 
-@functools.cache
-def term_color(index: int, count: int) -> RGB:
-    """Return the colour of term ``index`` of ``count``."""
-    place = (len(_SCALE) - 1) * (index / (count - 1) if count > 1 else 0.5)
-    channels = [float(np.interp(place, range(len(_SCALE)), _SCALE[:, channel])) for channel in range(3)]
-    return tuple(round(value) for value in channels)  # pyright: ignore[reportReturnType]
+@remembered(64)
+def term_colors(variable: Variable) -> tuple[RGB, ...]:
+    """Return the colours of a variable's terms.
+
+    Those of an output say what it is worth: where in the range the set is largest, a constant is, or a function is for
+    inputs 0; the middle of the range is grey. Those of an input differ as much as they can, in the terms' order.
+    """
+    if isinstance(variable, Output):
+        shares = (np.array(partition.places(variable)) - variable.low) / (variable.high - variable.low)
+    else:
+        shares = np.linspace(0.0, 1.0, len(variable.terms)) if len(variable.terms) > 1 else np.array([0.5])
+    return tuple((round(red), round(green), round(blue)) for red, green, blue in scale_colors(shares).tolist())
 
 
 def linear(colors: NDArray[np.float64]) -> NDArray[np.uint8]:

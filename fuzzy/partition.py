@@ -15,7 +15,7 @@ from msgspec.structs import replace
 from fuzzy.conversion import outline
 from fuzzy.errors import InvalidSystemError, expected
 from fuzzy.shapes import Linear, Shape, Trapezoid, Triangle, kind, parameter_names
-from fuzzy.system import Term
+from fuzzy.system import Term, Variable
 
 
 class _Side(NamedTuple):
@@ -38,6 +38,15 @@ def core(shape: Shape) -> tuple[float, float]:
         case _:
             found = outline(shape)
             return found.top_left, found.top_right
+
+
+def places(variable: Variable) -> list[float]:
+    """Return for each term the middle of that part of the range where its degree is 1, or the nearest end."""
+    found = []
+    for term in variable.terms:
+        left, right = (min(max(end, variable.low), variable.high) for end in core(term.shape))
+        found.append((left + right) / 2)
+    return found
 
 
 def order(terms: tuple[Term, ...]) -> list[int]:

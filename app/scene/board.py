@@ -9,7 +9,7 @@ import viser
 from numpy.typing import NDArray
 
 from app.painting import grid_variables, painted, shown_grid
-from app.palette import RGB, linear, term_color
+from app.palette import RGB, linear, term_colors
 from app.runner import Frame
 from app.scene.stage import BOARD, SIDE, shares_to_floor
 from app.state import AppState
@@ -117,9 +117,9 @@ class BoardView:
         for side, variable in zip(self._sides, (rows, columns), strict=True):
             side.name(variable)
         self._set_visible(True)
-        names = _names(output)
+        of_terms = dict(zip(_names(output), term_colors(output), strict=True))
         cells = [cell for row in edits.grid_cells(state.document, shown) for cell in row]
-        colors = [_EMPTY if cell is None else term_color(names.index(cell), len(names)) for cell in cells]
+        colors = [_EMPTY if cell is None else of_terms[cell] for cell in cells]
         numbers = np.array(edits.grid_rule_numbers(state.document, shown)).ravel()
         if not is_new and np.array_equal(colors, self._colors) and np.array_equal(numbers, self._numbers):
             return

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
 import viser
 
-from app.palette import BAD, GOOD, MUTED, css, term_color
+from app.palette import BAD, GOOD, MUTED, css, term_colors
 from app.runner import Frame
 from app.state import Advice, AppState, Edit
 from app.store import Shown, Store
@@ -106,20 +107,20 @@ def _sentence(frame: Frame, controller: Controller, found: Contributions, name: 
 def _bars(controller: Controller, found: Contributions) -> str:
     """Return a row for every rule: what it says, its firing strength, and a bar to the side to which it moved T."""
     output = controller.system.outputs[0]
-    terms = [term.name for term in output.terms]
+    colors = {term.name: css(color) for term, color in zip(output.terms, term_colors(output), strict=True)}
     largest = max((abs(one.moved) for one in found.rules), default=1.0) or 1.0
-    rows = [_bar(one, terms, 50.0 * one.moved / largest) for one in found.rules]
+    rows = [_bar(one, colors, 50.0 * one.moved / largest) for one in found.rules]
     start = f"from {number(found.base)}" if found.base else ""
     head = f'<div style="color:{MUTED};margin-top:6px">how far each rule moved {escape(found.output)} {start}</div>'
     return head + "".join(rows) if rows else ""
 
 
-def _bar(one: Contribution, terms: list[str], width: float) -> str:
+def _bar(one: Contribution, colors: Mapping[str, str], width: float) -> str:
     if one.rule is None:
         text, color = "weaker rules together", MUTED
     else:
         consequent = one.rule.consequents[0].term
-        color = css(term_color(terms.index(consequent), len(terms))) if consequent in terms else MUTED
+        color = colors.get(consequent, MUTED)
         text = f"{escape(_short(one.rule.antecedent))} → {escape(consequent)}"
         text = f'{text} <span style="color:{MUTED}">fires {one.strength:.2f}</span>'
     left = 50.0 + min(width, 0.0)

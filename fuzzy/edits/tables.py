@@ -8,7 +8,7 @@ from fuzzy import patterns
 from fuzzy.edits.access import find, term_number
 from fuzzy.edits.grids import Grid, default_grid, grid_cells, set_grid_cells
 from fuzzy.errors import InvalidSystemError
-from fuzzy.partition import core
+from fuzzy.partition import places
 from fuzzy.patterns import Cells
 from fuzzy.rules import all_rules
 from fuzzy.system import FuzzySystem, RuleBase, RuleTable, Variable
@@ -62,7 +62,7 @@ def fill_linear(system: FuzzySystem, proportional: float, derivative: float, gri
     """
     where, rows, columns, output = _filled(system, grid)
     terms = _names(output)
-    cells = patterns.linear(_places(rows), _places(columns), _places(output), terms, proportional, derivative)
+    cells = patterns.linear(places(rows), places(columns), places(output), terms, proportional, derivative)
     return set_grid_cells(system, where, cells)
 
 
@@ -113,12 +113,3 @@ def _filled(system: FuzzySystem, grid: Grid | None) -> tuple[Grid, Variable, Var
 
 def _names(variable: Variable) -> list[str]:
     return [term.name for term in variable.terms]
-
-
-def _places(variable: Variable) -> list[float]:
-    """Return for each term the middle of that part of the range where its degree is 1, or the nearest end."""
-    places = []
-    for term in variable.terms:
-        left, right = (min(max(end, variable.low), variable.high) for end in core(term.shape))
-        places.append((left + right) / 2)
-    return places

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import msgspec
@@ -17,7 +18,7 @@ from fuzzy.edits import Grid
 from fuzzy.formats import save
 from fuzzy.language import format_rule, parse_rule
 from fuzzy.rules import all_rules
-from fuzzy.shapes import Triangle
+from fuzzy.shapes import Singleton, Triangle
 from fuzzy.system import FuzzySystem, Input, Is, RuleBase, Term
 from tests.app.test_views import DIAGONAL, PILTAN, Screen, finished, frame_of, simulated, strengths
 
@@ -202,6 +203,26 @@ def test_rules_of_the_list_glow_and_silent_cells_are_hatched(screen: Screen) -> 
     assert f"#cell{firing[0] // 7}-{firing[0] % 7}{{box-shadow" in style(screen)
     silent = np.flatnonzero(run.activity.max(axis=0) <= 0.0)
     assert f"#cell{silent[0] // 7}-{silent[0] % 7}{{background-image" in style(screen)
+
+
+@pytest.mark.parametrize("count", [1, 8, 9, 49, 256])
+def test_brushes_stand_in_the_order_of_their_values_in_lines_that_can_be_read(screen: Screen, count: int) -> None:
+    values = np.random.default_rng(count).permutation(np.linspace(-80.0, 80.0, count))
+    terms = tuple(Term(f"c{n}", Singleton(float(value))) for n, value in enumerate(values))
+    output = msgspec.structs.replace(DIAGONAL.outputs[0], terms=terms)
+    screen.open(msgspec.structs.replace(DIAGONAL, outputs=(output,), rules=RuleBase()))
+    view = screen.view("RulesView")
+    brushes = re.findall(r'<label for="([^"]+)" id="brush(\d+)".*?>([^<]+)</label>', view._brush.content)
+    buttons = {button._impl.uuid: button.label for button in screen.handles().values()}
+    assert [name for *_, name in brushes] == [*(f"c{n}" for n in np.argsort(values)), "none"]
+    for target, number, name in brushes:
+        assert buttons[target] == ("brush no rule" if name == "none" else f"brush {name}")
+        assert int(number) == (count if name == "none" else int(name[1:]))
+    columns = re.search(r"grid-template-columns:repeat\((\d+),", view._brush.content)
+    assert columns is not None
+    assert int(columns[1]) <= 9, "narrower than the panel can show"
+    assert screen.send(screen.find("brush c0"), True).brush == "c0"
+    assert "#brush0{outline" in view._chosen_brush.content
 
 
 def test_a_table_that_is_too_large_is_not_drawn_and_nothing_breaks(screen: Screen) -> None:

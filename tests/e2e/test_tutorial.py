@@ -33,7 +33,7 @@ def figures(page: Page, overshoot: str, settling: str) -> None:
 
 def paint(page: Page, brush: int, cell: str) -> None:
     page.locator(f"#brush{brush}").click()
-    expect(page.locator(f"#brush{brush}")).to_have_attribute("style", re.compile("outline:"))
+    expect(page.locator(f"#brush{brush}")).to_have_css("outline-style", "solid")
     page.locator(f"#cell{cell}").click()
     expect(page.locator(f"#cell{cell}")).to_have_text(page.locator(f"#brush{brush}").inner_text())
 

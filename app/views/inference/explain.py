@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from app import clean
 from app.charts import Line, add_chart
 from app.numbers import NumberRow
-from app.palette import BAD, ERROR, MUTED, RUN, css, term_color
+from app.palette import BAD, ERROR, MUTED, RUN, css, term_colors
 from app.runner import Frame
 from app.state import AppState, DesignChanged
 from app.store import Shown, Store
@@ -166,10 +166,9 @@ def _shown_output(system: FuzzySystem, state: AppState) -> Output:
 
 def output_lines(output: Output) -> tuple[Line, ...]:
     """Return how the curves of an output look: a set for each term, the aggregated set, the crisp output."""
-    count = len(output.terms)
     terms = (
-        Line(term.name, css(term_color(n, count), 0.9), 1.2, fill=css(term_color(n, count), 0.25))
-        for n, term in enumerate(output.terms)
+        Line(term.name, css(color, 0.9), 1.2, fill=css(color, 0.25))
+        for term, color in zip(output.terms, term_colors(output), strict=True)
     )
     return (*terms, Line("output set", RUN, 2.0), Line("crisp output", BAD, 2.0))
 
@@ -202,8 +201,8 @@ def _steps_html(controller: Controller, trace: Trace, when: str) -> str:
     for variable in system.inputs:
         degrees = trace.memberships[variable.name]
         terms = ", ".join(
-            f'<span style="color:{css(term_color(n, len(variable.terms)))}">{escape(term)}</span> {degree:.2f}'
-            for n, (term, degree) in enumerate(degrees.items())
+            f'<span style="color:{css(color)}">{escape(term)}</span> {degree:.2f}'
+            for (term, degree), color in zip(degrees.items(), term_colors(variable), strict=True)
             if degree > 0.0
         )
         note = f' <span style="color:{BAD}">(outside its range)</span>' if variable.name in trace.clamped else ""

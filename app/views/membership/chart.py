@@ -9,7 +9,7 @@ import viser
 
 from app import clean
 from app.charts import Line, add_chart, series
-from app.palette import MUTED, TEXT, css, term_color
+from app.palette import MUTED, TEXT, css, term_colors
 from app.runner import Frame
 from app.state import AppState, DesignChanged, DragMode, Event, Selected
 from app.store import Shown, Store, View
@@ -101,10 +101,8 @@ class MembershipView:
         low, high = extent(variable)
         points = {point for entry in variable.terms for point in sets.break_points(entry)}
         x = np.union1d(np.linspace(low, high, _POINTS), [point for point in points if low <= point <= high])
-        count = len(variable.terms)
         lines = []
-        for number_, entry in enumerate(variable.terms):
-            color = term_color(number_, count)
+        for entry, color in zip(variable.terms, term_colors(variable), strict=True):
             is_chosen = entry.name == term
             fill = css(color, 0.22 if is_chosen else 0.06)
             lines.append(Line(entry.name, css(color), 3.0 if is_chosen else 1.6, fill=fill))
@@ -147,17 +145,14 @@ def _legend_html(variable: Variable, chosen_term: str, value: float | None) -> s
     """Return the terms in their colours, with the degrees of the live value."""
     unit = f" {escape(variable.unit)}" if variable.unit else ""
     parts = []
-    count = len(variable.terms)
     inside = None if value is None else min(max(value, variable.low), variable.high)
-    for n, term in enumerate(variable.terms):
+    for term, color in zip(variable.terms, term_colors(variable), strict=True):
         degree = 0.0 if inside is None else float(sets.degrees(term, inside))
         weight = "700" if term.name == chosen_term else "400"
         is_active = degree >= _LEAST_SHOWN
         text = f"{escape(term.name)} {degree:.2f}" if is_active else escape(term.name)
         opacity = 1.0 if is_active or inside is None else 0.75
-        parts.append(
-            f'<span style="color:{css(term_color(n, count))};font-weight:{weight};opacity:{opacity}">{text}</span>'
-        )
+        parts.append(f'<span style="color:{css(color)};font-weight:{weight};opacity:{opacity}">{text}</span>')
     now = (
         ""
         if value is None

@@ -9,7 +9,7 @@ import viser
 
 from app import clean, grid
 from app.painting import grid_variables, painted, shown_grid
-from app.palette import MUTED
+from app.palette import MUTED, term_colors
 from app.runner import Frame
 from app.state import AppState, DesignChanged, Edit, Selected
 from app.store import Shown, Store, View
@@ -49,6 +49,7 @@ class RulesView:
         axes = AxesView(gui, store)
         self._style = gui.add_html("")
         self._brush = gui.add_html("")
+        self._chosen_brush = gui.add_html("")
         self._table = gui.add_html("")
         self._glow = gui.add_html("")
         self._fill = gui.add_button_group("pattern", (*_FILLS, _FROM_GAINS))
@@ -88,14 +89,15 @@ class RulesView:
             return True
         names = [term.name for term in output.terms]
         chosen = names.index(state.brush) if state.brush is not None else len(names)
-        self._brush.content = grid.brush_html(names, self._brush_buttons.ids, chosen)
+        self._brush.content = grid.brush_html(output, self._brush_buttons.ids)
+        self._chosen_brush.content = grid.chosen_brush_html(chosen)
         self._gains.value = state.design.gains or edits.full_gains(state.document, shown)
         self._numbers = np.array(edits.grid_rule_numbers(state.document, shown))
         self._table.content = grid.table_html(
             (rows.name, [term.name for term in rows.terms]),
             (columns.name, [term.name for term in columns.terms]),
             edits.grid_cells(state.document, shown),
-            names,
+            dict(zip(names, term_colors(output), strict=True)),
             self._cell_buttons.ids,
         )
         return False
