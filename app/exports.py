@@ -98,8 +98,8 @@ def replay_html(run: Run) -> str:
     from app.guard import start_server
     from app.runner.frames import frame_of
     from app.scene.arm import ArmView
+    from app.scene.cameras import CAMERAS
     from app.scene.scene import light
-    from app.scene.stage import CAMERAS
 
     server = start_server(port=0, token=secrets.token_urlsafe(32))
     try:

@@ -49,13 +49,18 @@ function showTab(name) {
   }
 }
 
+// A scroll bar has the margin beside the widgets to itself.
+const bars = element("style", "", `.mantine-ScrollArea-scrollbar[data-orientation="vertical"] {
+  width: 7px !important; padding: 1px !important;
+}`);
+
 // Viser's sheet at the bottom of a narrow window is a column at its right that covers the scene; here it is as wide as
 // the window and leaves the upper half to the scene.
 const narrow = element("style", "", `@media (max-width: 36em) {
   div[style*="max-height: 60%"][style*="position: fixed"] { width: 100% !important; max-height: 50% !important; }
   div[style*="max-height: 60%"][style*="position: fixed"] div[style*="width: 20em"] { width: 100vw !important; }
 }`);
-document.head.append(narrow);
+document.head.append(bars, narrow);
 
 const isWritten = (target) => target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName ?? "");
 
@@ -214,6 +219,7 @@ window.fuzzyWorkbench = {
     helpWindow?.close();
     tourCard?.remove();
     frame.remove();
+    bars.remove();
     narrow.remove();
   },
 };

@@ -48,7 +48,7 @@ TOUR = (
     ),
     (
         "Design",
-        "Here is the controller. Click a term below “brush”, then a cell of the table: the arm follows at once. "
+        "Here is the controller. Click a term of the first row, then a cell of the table: the arm follows at once. "
         "Glowing cells are the rules that fire at this moment.",
         "Rules",
     ),

@@ -12,8 +12,9 @@ import viser
 from app.runner import Frame
 from app.scene.arm import ArmView
 from app.scene.board import BoardView
+from app.scene.cameras import CAMERAS, follow
 from app.scene.marks import MarksView
-from app.scene.stage import CAMERAS, NARROW, base_height, narrow_view, to_plane
+from app.scene.stage import base_height, to_plane
 from app.scene.surface import SurfaceView
 from app.store import Store
 from robot.pull import Pull, nearest_point
@@ -51,7 +52,7 @@ class Scene:
             BoardView(server.scene, store),
             SurfaceView(server.scene, store),
         )
-        server.on_client_connect(_step_back)
+        server.on_client_connect(follow)
         server.on_client_disconnect(self._let_go)
 
     def show(self, frame: Frame) -> None:
@@ -85,12 +86,6 @@ class Scene:
             self._pull(None)
 
 
-async def _step_back(client: viser.ClientHandle) -> None:
-    """Let a narrow window see all of the scene."""
-    if client.camera.aspect < NARROW:
-        look(client, "all")
-
-
 def light(scene: viser.SceneApi) -> None:
     """Set up light, floor and the direction up."""
     scene.set_up_direction("+z")
@@ -102,17 +97,3 @@ def light(scene: viser.SceneApi) -> None:
         "/floor", width=2.0, height=2.0, cell_size=0.1, section_size=0.5, cell_color=(52, 55, 62),
         section_color=(74, 78, 88),
     )  # fmt: skip
-
-
-def look(client: viser.ClientHandle, name: str) -> None:
-    """Move one browser's camera to a view; in a window that is less wide than high, further away.
-
-    Args:
-        client: The browser.
-        name: Of ``CAMERAS``.
-    """
-    position, target = narrow_view(CAMERAS[name], client.camera.aspect)
-    with client.atomic():
-        client.camera.position = position
-        client.camera.look_at = target
-        client.camera.up_direction = (0.0, 0.0, 1.0)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,46 +22,6 @@ RISE = 0.16
 _STRETCH = 1.65
 _CLEARANCE = 0.02
 """The base hangs as high over the floor as the arm is long when stretched so much, and this much higher (m)."""
-
-
-class Camera(NamedTuple):
-    """Where a camera stands and looks, m, in a window as high as wide."""
-
-    position: Place
-    look_at: Place
-
-
-CAMERAS: dict[str, Camera] = {
-    "all": Camera((0.03, -0.95, 0.70), (0.01, -0.12, 0.235)),
-    "arm": Camera((0.20, -0.74, 0.46), (0.06, 0.0, 0.33)),
-    "board": Camera((-0.235, -0.62, 0.52), (-0.235, -0.285, 0.01)),
-    "surface": Camera((0.36, -0.78, 0.52), (0.235, -0.285, 0.07)),
-}
-"""Views that can be chosen; the first is the one that the page opens with."""
-
-
-NARROW = 0.9
-"""Width over height of a window below which the page has its panels at the bottom rather than at the sides."""
-
-_BACK = 0.8
-"""How much of the scene's width a narrow window shows: distance times the window's aspect."""
-_UP = 0.3
-"""How far a narrow window's view goes down, so that the scene stands above the panels, in distances of the camera."""
-
-
-def narrow_view(camera: Camera, aspect: float) -> tuple[Array, Array]:
-    """Return where a camera stands and looks in a window of a given width over height.
-
-    A narrow one stands further back, and looks lower: its lower half is covered by the panels.
-    """
-    position, target = np.array(camera.position), np.array(camera.look_at)
-    if aspect >= NARROW:
-        return position, target
-    away = max(1.0, _BACK / max(aspect, 0.2)) * (position - target)
-    sideways = np.cross(away, (0.0, 0.0, 1.0))
-    up = np.cross(sideways, away)
-    down = -_UP * np.linalg.norm(away) / np.linalg.norm(up) * up
-    return target + down + away, target + down
 
 
 def base_height(arm: Arm) -> float:

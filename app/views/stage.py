@@ -8,8 +8,7 @@ import viser
 
 from app import clean
 from app.clean import Refused
-from app.scene.scene import look
-from app.scene.stage import CAMERAS
+from app.scene.cameras import CAMERAS, look
 from app.state import LAYERS, AppState, Notice, Noticed, Selected
 from app.store import Shown, Store
 from app.widgets import MARK, div, on_input, put

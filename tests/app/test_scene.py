@@ -22,9 +22,10 @@ from app import experiment, guard
 from app.runner import Frame, result_of
 from app.runner.frames import ghosts, row_at
 from app.scene.board import BoardView
+from app.scene.cameras import CAMERAS, PHONE, WIDE, Window, fitted, follow, look
 from app.scene.landscape import landscape
-from app.scene.scene import Scene, look
-from app.scene.stage import CAMERAS, NARROW, base_height, to_plane, to_scene
+from app.scene.scene import Scene
+from app.scene.stage import base_height, to_plane, to_scene
 from app.state import (
     LAYERS,
     AppState,
@@ -268,22 +269,53 @@ def test_the_ways_between_plane_and_scene_are_inverse() -> None:
         assert to_plane((float(x), float(y), float(z)), height) == pytest.approx(place)
 
 
+def client(width: int, height: int) -> Any:
+    """Return what stands for a browser: a camera that keeps where it was put, and tells of new windows."""
+    heard: list[Any] = []
+    camera = SimpleNamespace(
+        image_width=width, image_height=height, position=None, look_at=None, up_direction=None, on_update=heard.append
+    )
+    return SimpleNamespace(camera=camera, atomic=contextlib.nullcontext, heard=heard)
+
+
 @pytest.mark.parametrize("name", CAMERAS)
-@pytest.mark.parametrize("aspect", [0.46, 0.6, 0.9, 2.0])
-def test_a_camera_steps_back_in_a_narrow_window_and_lifts_the_scene_above_the_panels(name: str, aspect: float) -> None:
-    camera = SimpleNamespace(aspect=aspect, position=None, look_at=None, up_direction=None)
-    client: Any = SimpleNamespace(camera=camera, atomic=contextlib.nullcontext)
-    look(client, name)
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (576, 900), (577, 900), (598, 768), (1366, 768)])
+def test_a_camera_steps_back_in_a_narrow_window_and_lifts_the_scene_above_a_phones_panels(
+    name: str, width: int, height: int
+) -> None:
+    browser = client(width, height)
+    look(browser, name)
     position, target = (np.array(place) for place in CAMERAS[name])
-    at, middle = np.array(camera.position), np.array(camera.look_at)
-    if aspect >= NARROW:
-        assert (at == position).all()
-        assert (middle == target).all()
-        return
+    at, middle = np.array(browser.camera.position), np.array(browser.camera.look_at)
     away, before = at - middle, position - target
-    assert away / np.linalg.norm(away) == pytest.approx(before / np.linalg.norm(before)), "it looks the same way"
-    assert np.linalg.norm(away) * aspect >= 0.75 * np.linalg.norm(before)
+    if width > PHONE:
+        np.testing.assert_allclose(middle, target)
+        np.testing.assert_allclose(away, before * max(1.0, WIDE * height / width), atol=1e-12)
+        return
+    assert away[2] / np.linalg.norm(away) > before[2] / np.linalg.norm(before), "steeper"
+    assert np.linalg.norm(away) * width / height >= 0.75 * np.linalg.norm(before)
     lift = target - middle
     assert lift @ away == pytest.approx(0.0, abs=1e-12)
     assert lift[2] > 0.0
     assert 0.25 < np.linalg.norm(lift) / np.linalg.norm(away) < np.tan(np.radians(37.5)), "within the upper half"
+
+
+def test_a_view_follows_the_window_until_a_hand_moves_the_camera() -> None:
+    async def use() -> None:
+        browser = client(1366, 768)
+        await follow(browser)
+        camera, moved = browser.camera, browser.heard[0]
+        camera.position, camera.look_at = CAMERAS["all"]
+        for width, height in ((598, 768), (900, 900), (500, 400)):
+            camera.image_width, camera.image_height = width, height
+            await moved(camera)
+            expected = fitted(CAMERAS["all"], Window(width, height))
+            np.testing.assert_allclose((camera.position, camera.look_at), expected)
+        there = np.array(camera.position) + 0.1
+        camera.position = there.copy()
+        await moved(camera)
+        camera.image_width = 1000
+        await moved(camera)
+        np.testing.assert_array_equal(camera.position, there)
+
+    asyncio.run(use())
