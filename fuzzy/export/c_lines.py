@@ -92,7 +92,7 @@ def lines(system: FuzzySystem) -> Code:
             imply=bound(linear.imply, bindings).name,
             join=bound(linear.join, bindings).name,
             second=second if implication == norms.NILPOTENT_MINIMUM else "",
-            least=constant(0.0 if implication <= norms.PRODUCT else linear.ROUNDING),
+            least=constant(0.0 if implication <= norms.PRODUCT else norms.ROUNDING),
         )
         for question, bindings in asked
     )

@@ -118,7 +118,7 @@ def _output(system: FuzzySystem, number: int) -> dict[str, Any]:
         "implication": implication,
         "aggregation": methods.AGGREGATION[joined],
         "bends_twice": implication == norms.NILPOTENT_MINIMUM,
-        "least": 0.0 if implication <= norms.PRODUCT else linear.ROUNDING,
+        "least": 0.0 if implication <= norms.PRODUCT else norms.ROUNDING,
         "halves": inference.defuzzifier == "bisector",
         "which": methods.MAXIMUM.get(inference.defuzzifier, -1),
     }

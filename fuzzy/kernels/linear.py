@@ -25,8 +25,6 @@ from fuzzy.kernels.norms import (
     SUM,
 )
 
-ROUNDING = 1e-15
-
 
 @addressed_kernel
 def centroid(address, output):
@@ -86,7 +84,7 @@ def _follow(address, output, question):
     code = outputs.implication[0]
     origin = 0.5 * (outputs.range[output, 0] + outputs.range[output, 1])
     # Where an implication takes 1 - w, a degree of 0 is known to rounding only.
-    least = 0.0 if code <= PRODUCT else ROUNDING
+    least = 0.0 if code <= PRODUCT else norms.ROUNDING
     account = scratch[: pieces.ACCOUNT]
     terms = scratch[pieces.ACCOUNT : pieces.ACCOUNT + 2 * count]
     lines = scratch[pieces.ACCOUNT + 2 * count : pieces.ACCOUNT + 4 * count]
@@ -148,7 +146,7 @@ def imply(code, gain, w, degree, slope):
             return degree, slope
         return (w, 0.0) if degree >= 1.0 else (0.0, 0.0)
     if code == NILPOTENT_MINIMUM:
-        if degree <= 1.0 - w:
+        if degree - norms.ROUNDING <= 1.0 - w and w < 1.0:
             return 0.0, 0.0
         return (w, 0.0) if degree >= w else (degree, slope)
     if code == IMPLY_BOUNDED_SUM:

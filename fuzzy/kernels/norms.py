@@ -17,6 +17,10 @@ EINSTEIN_PRODUCT = 4
 HAMACHER_PRODUCT = 5
 NILPOTENT_MINIMUM = 6
 
+ROUNDING = 1e-15
+"""How far a + b may be from 1 and count as 1, where a norm jumps there: degrees are rounded, and those of a partition
+add up to 1."""
+
 MAX = 0
 ALGEBRAIC_SUM = 1
 BOUNDED_SUM = 2
@@ -59,7 +63,7 @@ def t_norm(code: int, a: float, b: float) -> float:
     if code == HAMACHER_PRODUCT:
         union = high + low * (1.0 - high)
         return low * (high / union) if union > 0.0 else 0.0
-    return low if low > 1.0 - high else 0.0
+    return low if low - ROUNDING > 1.0 - high or high >= 1.0 else 0.0
 
 
 @borrowing_kernel
@@ -85,7 +89,7 @@ def s_norm(code: int, a: float, b: float) -> float:
     if code == HAMACHER_SUM:
         rest = 1.0 - a * b
         return (high * (1.0 - low) + low * (1.0 - high)) / rest if rest > 0.0 else 1.0
-    return high if low < 1.0 - high else 1.0
+    return high if low + ROUNDING < 1.0 - high or low <= 0.0 else 1.0
 
 
 @borrowing_kernel

@@ -13,7 +13,7 @@ import numpy as np
 from fuzzy.kernels import exact, norms, places, sets
 from fuzzy.kernels.address import at, outputs_at, workspace_at
 from fuzzy.kernels.jit import borrowing_kernel
-from fuzzy.kernels.norms import MAX, NILPOTENT_MINIMUM
+from fuzzy.kernels.norms import MAX, NILPOTENT_MAXIMUM, NILPOTENT_MINIMUM
 
 TOLERANCE = 1e-10
 """Accepted difference of the two rules on an interval, as a share of the whole area; the finer one is far closer."""
@@ -33,6 +33,10 @@ _ROOM = 64
 
 _PARTS = 60
 """Parts of an interval that may wait to be divided: each division halves one, or cuts it where members cross."""
+
+_MOST_INTERVALS = 1000
+"""Parts of an interval that are integrated at most: two sets whose sum is 1 everywhere, but for rounding, jump to and
+fro under the nilpotent maximum, and no division would ever be the last."""
 
 ACCOUNT = _FIRST + _WAITING * _ROOM + 2 * _PARTS
 """Numbers that an account takes."""
@@ -162,12 +166,14 @@ def _divide(address, output, start, end, stride, a, b, account):
     stack[0] = a
     stack[1] = b
     waiting = 1
+    count = 0
     while waiting > 0:
         waiting -= 1
+        count += 1
         a = stack[2 * waiting]
         b = stack[2 * waiting + 1]
         part, moment, error, cut = _interval(address, output, start, end, stride, a, b)
-        is_enough = error <= TOLERANCE * account[_ESTIMATE]
+        is_enough = error <= TOLERANCE * account[_ESTIMATE] or count + waiting >= _MOST_INTERVALS
         if is_enough or b - a <= _NARROWEST * span or waiting + 2 > _PARTS:
             account[_AREA] += part
             account[_MOMENT] += moment
@@ -283,7 +289,32 @@ def _interval(address, output, start, end, stride, a, b):
     if min(cut - a, b - cut) <= 1e-8 * (b - a):  # a crossing at the very end costs nothing
         cut = centre
         error = max(abs(area - half * coarse_area), abs(moment - half * coarse_moment) / span)
+    if outputs.aggregation[0] == NILPOTENT_MAXIMUM and _may_jump(address, start, end, stride, a, b):
+        cut = centre
+        error = max(error, b - a)
     return area, moment, error, cut
+
+
+@borrowing_kernel
+def _may_jump(address, start, end, stride, a, b):
+    """Return whether the nilpotent maximum of the members may jump between ``a`` and ``b``.
+
+    It does where the two largest degrees add up to 1. Each member rises or falls there, so that its degrees at both
+    ends bound those between; a jump may be so narrow that no node of a rule meets it.
+    """
+    inner = 0.5 * (1.0 - END) * (b - a)
+    most = second_most = least = second_least = 0.0
+    for member in range(start, end, stride):
+        first = sets.implied(address, member, a + inner, 1.0)
+        last = sets.implied(address, member, b - inner, 1.0)
+        high = max(first, last)
+        low = min(first, last)
+        second_most = max(second_most, min(most, high))
+        most = max(most, high)
+        second_least = max(second_least, min(least, low))
+        least = max(least, low)
+    always = second_least >= 1.0 - least
+    return not always and second_most >= 1.0 - most
 
 
 @borrowing_kernel

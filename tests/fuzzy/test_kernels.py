@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import threading
 import typing
 from fractions import Fraction
@@ -77,6 +78,13 @@ def test_norms_that_jump_do_so_where_they_should(name, a, b):
         assert norms.t_norm(T_NORMS[name], a, b) == reference.T_NORMS[name](a, b)
     else:
         assert norms.s_norm(S_NORMS[name], a, b) == reference.S_NORMS[name](a, b)
+
+
+@given(a=st.floats(1e-12, 1.0 - 1e-12), ulps=st.integers(-3, 3))
+def test_degrees_that_add_up_to_1_but_for_rounding_do_so(a, ulps):
+    b = 1.0 - a + ulps * math.ulp(0.5)
+    assert norms.t_norm(norms.NILPOTENT_MINIMUM, a, b) == 0.0
+    assert norms.s_norm(norms.NILPOTENT_MAXIMUM, a, b) == 1.0
 
 
 @pytest.mark.parametrize(("t", "s"), DUALS)
