@@ -150,12 +150,12 @@ def table_html(
         colors: Of all output terms.
         ids: Of the hidden buttons, row by row.
     """
-    header = [f'<span class="fw-h">{escape(rows[0])} \\ {escape(columns[0])}</span>']
-    header += [f'<span class="fw-h">{escape(name)}</span>' for name in columns[1]]
+    header = [_heading(f"{rows[0]} \\ {columns[0]}")]
+    header += [_heading(name) for name in columns[1]]
     body = list(header)
     width = len(columns[1])
     for i, row in enumerate(cells):
-        body.append(f'<span class="fw-h">{escape(rows[1][i])}</span>')
+        body.append(_heading(rows[1][i]))
         for j, name in enumerate(row):
             color = None if name is None else colors[name]
             title = f"{rows[0]} is {rows[1][i]} and {columns[0]} is {columns[1][j]}"
@@ -164,6 +164,10 @@ def table_html(
                 f'style="{cell_style(color)}">{escape(name or "·")}</label>'
             )
     return _grid(body, f"minmax(2.6em,0.8fr) repeat({width},minmax(0,1fr))")
+
+
+def _heading(text: str) -> str:
+    return f'<span class="fw-h" title="{escape(text)}">{escape(text)}</span>'
 
 
 def focus_html(ids: Sequence[str], width: int) -> str:

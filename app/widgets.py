@@ -125,7 +125,7 @@ def aligned_html(handles: Sequence[Any]) -> str:
 
 def div(content: str, style: str = "") -> str:
     """Return a block in the workbench's type, as wide as the other widgets of a panel."""
-    base = f"padding:0 0.75em;margin:0.35em 0;font:13px/1.45 {FONT};color:{TEXT}"
+    base = f"padding:0 0.75em;margin:0.35em 0;font:13px/1.45 {FONT};color:{TEXT};overflow-wrap:anywhere"
     return f'<div style="{base};{style}">{content}</div>'
 
 

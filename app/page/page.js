@@ -49,10 +49,11 @@ function showTab(name) {
   }
 }
 
-// A scroll bar has the margin beside the widgets to itself.
-const bars = element("style", "", `.mantine-ScrollArea-scrollbar[data-orientation="vertical"] {
-  width: 7px !important; padding: 1px !important;
-}`);
+// A scroll bar has the margin beside the widgets to itself, and a long name ends within its panel.
+const fitting = element("style", "", `
+  .mantine-ScrollArea-scrollbar[data-orientation="vertical"] { width: 7px !important; padding: 1px !important; }
+  .mantine-Flex-root > .mantine-Button-root .mantine-Button-label { max-width: 17em; }
+`);
 
 // Viser's sheet at the bottom of a narrow window is a column at its right that covers the scene; here it is as wide as
 // the window and leaves the upper half to the scene.
@@ -60,7 +61,7 @@ const narrow = element("style", "", `@media (max-width: 36em) {
   div[style*="max-height: 60%"][style*="position: fixed"] { width: 100% !important; max-height: 50% !important; }
   div[style*="max-height: 60%"][style*="position: fixed"] div[style*="width: 20em"] { width: 100vw !important; }
 }`);
-document.head.append(bars, narrow);
+document.head.append(fitting, narrow);
 
 const isWritten = (target) => target.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(target.tagName ?? "");
 
@@ -219,7 +220,7 @@ window.fuzzyWorkbench = {
     helpWindow?.close();
     tourCard?.remove();
     frame.remove();
-    bars.remove();
+    fitting.remove();
     narrow.remove();
   },
 };

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from app.painting import grid_variables, painted, shown_grid
 from app.palette import RGB, linear, term_colors
 from app.runner import Frame
-from app.scene.stage import BOARD, SIDE, shares_to_floor
+from app.scene.stage import BOARD, SIDE, label_text, shares_to_floor
 from app.state import AppState
 from app.store import Shown, Store
 from app.widgets import put
@@ -25,6 +25,8 @@ _LOW, _HIGH = 0.010, 0.060
 _EMPTY: RGB = (52, 55, 62)
 _MOST_LABELS = 9
 """Terms along one side that still have a name each."""
+_MOST_LETTERS = 8
+"""Length of a term's name: the next one stands beside it."""
 _LABEL_DISTANCE = 0.025
 
 _CUBE = np.array([[x, y, z] for z in (0, 1) for y in (-0.5, 0.5) for x in (-0.5, 0.5)], dtype=np.float32)
@@ -56,12 +58,13 @@ class _Side:
         names = _names(variable)
         if len(names) > _MOST_LABELS:
             names = ()
-        before, self._shown = self._shown, (variable.name, *names)
+        texts = (label_text(variable.name), *(label_text(name, _MOST_LETTERS) for name in names))
+        before, self._shown = self._shown, texts
         if self._shown == before:
             return
         if len(self._shown) != len(before):
             self._place(len(names))
-        for label, text in zip(self._labels, self._shown, strict=False):
+        for label, text in zip(self._labels, texts, strict=False):
             put(label, text=text)
 
     def set_visible(self, is_visible: bool) -> None:

@@ -53,3 +53,8 @@ def shares_to_floor(shares: Array, middle: Place) -> Array:
         [middle[0] + (shares[..., 1] - 0.5) * SIDE, middle[1] - (shares[..., 0] - 0.5) * SIDE],
         axis=-1,
     )
+
+
+def label_text(name: str, most: int = 12) -> str:
+    """Return a name in at most so many letters: a long one would cover others, or half of the scene."""
+    return name if len(name) <= most else f"{name[: most - 1]}…"

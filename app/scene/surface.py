@@ -10,7 +10,7 @@ import viser
 from app.palette import COORDINATES
 from app.runner import Frame
 from app.scene.landscape import FLOOR_GAP, on_surface
-from app.scene.stage import RISE, SURFACE, shares_to_floor
+from app.scene.stage import RISE, SURFACE, label_text, shares_to_floor
 from app.state import AppState, Landscape, Result
 from app.store import Shown, Store, is_same
 from app.widgets import coordinate_label, put
@@ -97,7 +97,7 @@ class SurfaceView:
         self._mesh.glb_data = landscape.mesh
         surface = landscape.surface
         for label, text in zip(self._labels, (surface.x_name, surface.y_name, surface.output), strict=True):
-            put(label, text=text)
+            put(label, text=label_text(text))
 
     def _draw_way(self, result: Result, i: int) -> None:
         run = result.drawn

@@ -22,8 +22,8 @@ from fuzzy.system import FuzzySystem
 _PERIOD = 0.2
 """Least time between two pictures, s: faster than that nobody reads."""
 
-_NOTHING = 5e-4
-"""Output that reads as 0."""
+_NOTHING = 1e-3
+"""Share of the output's range that counts as nothing: in it the rules hold each other."""
 
 
 class WhyView:
@@ -98,8 +98,9 @@ def _sentence(frame: Frame, controller: Controller, found: Contributions, name: 
     first = found.rules[0]
     reason = "weaker rules together" if first.rule is None else escape(_short(first.rule.antecedent))
     output = equation(escape(found.output), found.value)
-    if abs(found.value) < _NOTHING:
-        return f"<div>{where} <b>{output}</b>: the rules that fire add nothing.</div>"
+    of = next(one for one in system.outputs if one.name == found.output)
+    if abs(found.value) < _NOTHING * (of.high - of.low):
+        return f"<div>{where} <b>{output}</b>: the rules that fire hold each other.</div>"
     what = f"<b>{output}</b> {'raises' if found.value > 0 else 'lowers'} it"
     return f"<div>{where} {what}, mostly because {reason} ({_signed(first.moved)}).</div>"
 
@@ -122,14 +123,14 @@ def _bar(one: Contribution, colors: Mapping[str, str], width: float) -> str:
         consequent = one.rule.consequents[0].term
         color = colors.get(consequent, MUTED)
         text = f"{escape(_short(one.rule.antecedent))} → {escape(consequent)}"
-        text = f'{text} <span style="color:{MUTED}">fires {one.strength:.2f}</span>'
+        text = f'{text} <span style="color:{MUTED}">fires {number(one.strength, 2)}</span>'
     left = 50.0 + min(width, 0.0)
     bar = f"left:{left:.1f}%;width:{abs(width):.1f}%;background:{color}"
     track = "position:relative;height:6px;background:rgba(255,255,255,.06);border-radius:3px"
     middle = "position:absolute;left:50%;top:-2px;bottom:-2px;width:1px;background:rgba(255,255,255,.35)"
     return (
         f'<div style="margin:5px 0"><div style="display:flex;justify-content:space-between"><span>{text}</span>'
-        f'<b style="font-variant-numeric:tabular-nums">{_signed(one.moved)}</b></div>'
+        f'<b style="font-variant-numeric:tabular-nums;white-space:nowrap">{_signed(one.moved)}</b></div>'
         f'<div style="{track}"><i style="position:absolute;top:0;bottom:0;border-radius:3px;{bar}"></i>'
         f'<i style="{middle}"></i></div></div>'
     )

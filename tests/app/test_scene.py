@@ -166,6 +166,15 @@ def test_names_on_the_board_follow_a_renaming(stage: Stage) -> None:
     assert (label.text, stage.node("/board/row/0").text) == ("far left", "error")
 
 
+def test_long_names_are_cut_where_the_next_one_stands(stage: Stage) -> None:
+    stage.dispatch(
+        Edit("rename", partial(edits.rename_term, variable="e", term="NB", name="W" * 64)),
+        Edit("rename", partial(edits.rename_variable, variable="de", name="d" * 64)),
+    )
+    assert stage.node("/board/row/1").text == "W" * 7 + "…"
+    assert stage.node("/board/column/0").text == "d" * 11 + "…"
+
+
 def test_tiles_have_the_colours_of_what_they_conclude(stage: Stage) -> None:
     before = stage.node("/board/tiles").batched_colors.copy()
     stage.dispatch(Selected({"brush": "LL"}))
