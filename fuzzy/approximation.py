@@ -35,7 +35,7 @@ Criterion = Literal["least_squares", "minimax"]
 SAMPLES = 4096
 """About how many places a function is sampled at, unless told otherwise."""
 
-_MOST_STEPS = 60
+_MOST_STEPS = 200
 """Steps after which the search for centres and widths ends."""
 
 _SILENT = 1e-9
@@ -129,23 +129,20 @@ def fit_gaussians(
         np.concatenate([np.full(centres.size, 1.5), np.full(centres.size, np.log(2.0))]),
     )
 
-    def basis(parameters: Numbers) -> Numbers:
-        centre, log_width = parameters.reshape(2, rules, len(inputs))
-        exponent = -0.5 * (((share[:, np.newaxis] - centre) / np.exp(log_width)) ** 2).sum(axis=2)
-        degree = np.exp(exponent - exponent.max(axis=1, keepdims=True))
-        return degree / degree.sum(axis=1, keepdims=True)
-
-    # Every step tries one place, and for the slopes one beside it in each parameter.
-    tried, most = itertools.count(1), _MOST_STEPS * (start.size + 1)
+    steps = itertools.count(1)
 
     def residual(parameters: Numbers) -> Numbers:
         if progress is not None:
-            progress(min(1.0, next(tried) / most))
-        columns = basis(parameters)
+            progress(min(1.0, next(steps) / _MOST_STEPS))
+        columns = _gaussian_basis(share, *parameters.reshape(2, rules, -1))
         theta, *_ = np.linalg.lstsq(columns, y, rcond=None)
         return columns @ theta - y
 
-    found = optimize.least_squares(residual, np.clip(start, *bounds), bounds=bounds, max_nfev=_MOST_STEPS).x
+    def slopes(parameters: Numbers) -> Numbers:
+        return _residual_slopes(share, y, *parameters.reshape(2, rules, -1))
+
+    start = np.clip(start, *bounds)
+    found = optimize.least_squares(residual, start, slopes, bounds, max_nfev=_MOST_STEPS).x
     centre, log_width = found.reshape(2, rules, len(inputs))
     own = tuple(
         replace(
@@ -161,6 +158,33 @@ def fit_gaussians(
     frame = _frame(f"{system.name} approximator", own, antecedents)
     theta, silent = _consequents(_basis(frame, x), y, "least_squares")
     return _measured(_with_consequents(frame, theta), target, x, y, samples, silent)
+
+
+def _gaussian_basis(share: Numbers, centre: Numbers, log_width: Numbers) -> Numbers:
+    """Return (n, n_rules) shares ξ of rules with Gaussians at ``centre`` in the output at (n, n_in) places."""
+    exponent = -0.5 * (((share[:, np.newaxis] - centre) / np.exp(log_width)) ** 2).sum(axis=2)
+    degree = np.exp(exponent - exponent.max(axis=1, keepdims=True))
+    return degree / degree.sum(axis=1, keepdims=True)
+
+
+def _residual_slopes(share: Numbers, y: Numbers, centre: Numbers, log_width: Numbers) -> Numbers:
+    """Return (n, 2 n_rules n_in) slopes of ξθ - y, with the best θ for each, by centres and logarithms of widths.
+
+    Of the slopes at a fixed θ that part is left out which another θ makes up for.
+
+    References:
+        Kaufman, "A variable projection method for solving separable nonlinear least squares problems", 1975.
+    """
+    columns = _gaussian_basis(share, centre, log_width)
+    left, singular, right = np.linalg.svd(columns, full_matrices=False)
+    left = left[:, singular > max(columns.shape) * np.finfo(float).eps * singular[0]]
+    theta = right[: left.shape[1]].T @ ((left.T @ y) / singular[: left.shape[1]])
+    # ξ_r θ_r changes by ξ_r (θ_r - ξθ) times the change of the logarithm of the rule's firing strength.
+    weight = (columns * (theta - (columns @ theta)[:, np.newaxis]))[:, :, np.newaxis]
+    distance = (share[:, np.newaxis] - centre) / np.exp(log_width)
+    slopes = np.concatenate([weight * distance / np.exp(log_width), weight * distance**2], axis=1)
+    slopes = slopes.reshape(len(share), -1)
+    return slopes - left @ (left.T @ slopes)
 
 
 def _all_of(propositions: tuple[Is, ...]) -> And | Is:

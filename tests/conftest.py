@@ -15,6 +15,7 @@ settings.register_profile(
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "workbench"))
 
 os.environ["MPLBACKEND"] = "Agg"
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # as the workbench does, whichever test begins
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -67,6 +67,13 @@ def test_own_gaussians_do_better_than_as_many_given_sets():
     assert len(own.system.rules.list) == 9
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_what_few_gaussians_can_say_is_found_again(seed):
+    said = compile_system(fit_gaussians(SYSTEM, wavy, rules=3, seed=seed).system)
+    again = fit_gaussians(SYSTEM, lambda x: said.batch(x)[:, 0], rules=3, seed=seed)
+    assert again.largest < 1e-4
+
+
 def test_rules_that_no_sample_excites_say_the_mean():
     found = fit(evenly(5), ([[0.0, -1.0], [0.0, -1.0], [0.1, -0.9]], [1.0, 1.0, 4.0]))
     assert found.silent == 25 - 4
