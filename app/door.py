@@ -18,6 +18,7 @@ from typing import Any, assert_never
 
 import msgspec
 import viser
+from viser import _messages
 from websockets.asyncio.server import ServerConnection
 from websockets.frames import CloseCode
 from websockets.typing import Data
@@ -132,7 +133,11 @@ class Door:
                 if not (message.image_height and message.image_width):  # its aspect would be a division by zero
                     raise StaleError("a page that is not to be seen")
             case FileTransferStartUpload():
-                _check_upload(server, message)
+                try:
+                    _check_upload(server, message)
+                except Refused:
+                    _end_upload(server, message)
+                    raise
             case FileTransferPart():
                 _check_part(server, message)
             case _:
@@ -245,6 +250,16 @@ def _check_upload(server: viser.ViserServer, message: FileTransferStartUpload) -
     if message.size_bytes > MAX_UPLOAD - promised:
         raise Refused(
             f"{message.filename} has {message.size_bytes} bytes; valid are {MAX_UPLOAD} for all uploads together"
+        )
+
+
+def _end_upload(server: viser.ViserServer, message: FileTransferStartUpload) -> None:
+    """Tell the browser that an upload is over: its button waits for the last part to be acknowledged."""
+    if message.transfer_uuid not in server.gui._current_file_upload_states:
+        server._websock_server.queue_message(
+            _messages.FileTransferPartAck(
+                message.source_component_uuid, message.transfer_uuid, message.size_bytes, message.size_bytes
+            )
         )
 
 

@@ -19,6 +19,9 @@ from app.store import Dispatch
 TINY, _SMALL = 5e-4, 0.01
 """Numbers below the first read as nothing; figures between have four decimals, since three digits would be too wide."""
 
+_LARGE = 1e6
+"""Numbers from it on are written as powers of ten."""
+
 MARK = "● "
 """Stands before the name of the button that is chosen."""
 
@@ -141,10 +144,16 @@ def escape(text: str) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """Return a number for reading, in ``digits`` significant digits, with a real minus sign; tiny ones as "≈ 0"."""
+    """Return a number for reading, in ``digits`` significant digits, with a real minus sign; tiny ones as "≈ 0".
+
+    Digits before the point are all written, up to a million.
+    """
     if 0.0 < abs(value) < TINY:
         return "≈ 0"
-    return f"{value:.{digits}g}".replace("-", "−")
+    text = f"{value:.{digits}g}"
+    if "e" in text and abs(value) < _LARGE:
+        text = f"{value:.0f}"
+    return text.replace("-", "−")
 
 
 def figure(value: float) -> str:

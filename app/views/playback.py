@@ -102,8 +102,9 @@ class PlaybackView:
 def _notice_html(state: AppState) -> str:
     """Return the notice; there is always one, so that the widgets below stay where they are."""
     if state.progress is not None:
-        text, color = f"{state.progress} …", BAD
-    elif state.notice is not None:
+        wrong = state.notice.text if state.notice is not None and state.notice.is_error else ""
+        return div(f'{escape(state.progress)} …<div style="color:{ERROR}">{escape(wrong)}</div>', f"color:{BAD}")
+    if state.notice is not None:
         text, color = state.notice.text, ERROR if state.notice.is_error else GOOD
     elif state.past:
         text, color = f"{state.past[-1].label} · Ctrl+Z takes it back", MUTED

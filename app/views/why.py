@@ -56,7 +56,9 @@ class WhyView:
             return
         self._shown_at = now
         if frame.inference is None or not np.isfinite(frame.inputs).all():
-            self._now.content = div("This control law asks no rules: nothing to explain.", f"color:{MUTED}")
+            waits = self._store.state.runs.current is None
+            text = "The first run is being simulated." if waits else "This law asks no rules: nothing to explain."
+            self._now.content = div(text, f"color:{MUTED}")
             return
         found = contributions(frame.inference, frame.inputs)
         self._now.content = _moment_html(frame, frame.inference, found, self._store.state.coordinate)

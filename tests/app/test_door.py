@@ -16,6 +16,7 @@ import pytest
 import viser
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from viser._messages import FileTransferPartAck
 from websockets.exceptions import ConnectionClosedError
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
@@ -318,3 +319,24 @@ def test_any_field_of_any_message_is_refused_in_order(field: str, value: Any) ->
     for message in (update, update | {field: value}, CAMERA | {field: value}):
         with contextlib.suppress(msgspec.MsgspecError, Refused):
             Door(lambda _: None).check(msgspec.msgpack.encode(message))
+
+
+def test_an_upload_that_is_refused_is_over_for_the_browser(intruder: Intruder) -> None:
+    button = next(handle for handle in intruder.handles() if isinstance(handle, viser.GuiUploadButtonHandle))
+    start = {
+        "type": "FileTransferStartUpload",
+        "source_component_uuid": button._impl.uuid,
+        "transfer_uuid": "refused",
+        "filename": "notes.txt",
+        "mime_type": "text/plain",
+        "part_count": 1,
+        "size_bytes": 5,
+    }
+    intruder.send(start)
+    intruder.wait_until_read()
+    server: Any = intruder.workbench.server
+    sent = server._websock_server.get_message_buffer().message_from_id.values()
+    over = [one for one in sent if isinstance(one, FileTransferPartAck) and one.transfer_uuid == "refused"]
+    assert [(one.source_component_uuid, one.transferred_bytes, one.total_bytes) for one in over] == [
+        (button._impl.uuid, 5, 5)
+    ], "its button would wait for ever"

@@ -29,6 +29,7 @@ from app.state import (
     Notice,
     Noticed,
     Opened,
+    Progressed,
     Result,
     RunFinished,
     Selected,
@@ -276,6 +277,22 @@ def test_a_refused_value_is_taken_back_and_said(screen: Screen) -> None:
         assert state.notice is not None
         assert state.notice.is_error
         assert number.value == (-1.0, 1.0)
+
+
+def test_what_went_wrong_is_said_while_something_is_under_way(screen: Screen) -> None:
+    screen.dispatch(Progressed("Compiling kernels"), Noticed(Notice("Not read: broken.yaml", is_error=True)))
+    shown = screen.view("PlaybackView")._notice.content
+    assert "Compiling kernels" in shown
+    assert "Not read: broken.yaml" in shown
+
+
+def test_there_is_nothing_to_explain_before_the_first_run(screen: Screen, run: Run) -> None:
+    screen.show(frame_of(run, 0, None))
+    assert "first run" in screen.view("WhyView")._now.content
+    screen.dispatch(finished(DIAGONAL, Setup()))
+    screen.on_loop(lambda: setattr(screen.view("WhyView"), "_shown_at", 0.0))
+    screen.show(frame_of(run, 0, None))
+    assert "This law asks no rules" in screen.view("WhyView")._now.content
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,10 @@ class ExchangeView:
         self._store = store
         download = gui.add_button_group("download", tuple(_SUFFIXES), hint="The document, in the format of the suffix")
         download.on_click(self._download)
-        upload = gui.add_upload_button("Upload a file", icon=viser.Icon.UPLOAD, hint=" ".join(formats.READABLE))
+        kinds = formats.READABLE
+        upload = gui.add_upload_button(
+            "Upload a file", icon=viser.Icon.UPLOAD, hint=" ".join(kinds), mime_type=",".join(kinds)
+        )
         upload.on_upload(self._receive)
         self._found = gui.add_html("")
         self._answer = gui.add_button_group("", (_TAKE, _DISCARD))

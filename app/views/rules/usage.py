@@ -8,7 +8,7 @@ import viser
 from app.palette import MUTED
 from app.state import AppState
 from app.store import Shown
-from app.widgets import div
+from app.widgets import coordinate_label, div, number
 from fuzzy import rules
 
 
@@ -50,5 +50,6 @@ def _count_html(state: AppState) -> str:
             if steps.any():
                 most = int(steps.argmax())
                 share = 100 * steps[most] / max(len(run.t), 1)
-                lines.append(f"{what}: {run.arm.coordinates[most]} {share:.2g} % of the time")
+                name = coordinate_label(run.arm.coordinates[most])
+                lines.append(f"{what}: {name} {number(share, 2)} % of the time")
     return div(f'<span style="color:{MUTED}">{" · ".join(lines)}</span>')
