@@ -22,7 +22,7 @@ _TO_GLTF = (0.70710678, 0.70710678, 0.0, 0.0)
 """Turns glTF's y axis, which points up, into the scene's z."""
 _NAMES = {
     "columns": ((1.06, 0.5), SURFACE[2] + FLOOR_GAP + RISE / 2),
-    "rows": ((0.5, 1.12), SURFACE[2] + FLOOR_GAP + RISE / 2),
+    "rows": ((0.5, 1.16), SURFACE[2] + FLOOR_GAP + RISE / 2),
     "output": ((0.0, 1.0), SURFACE[2] + FLOOR_GAP + RISE + 0.03),
 }
 """Where the variables' names stand: shares of the floor, and height in m."""

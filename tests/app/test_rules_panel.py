@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
+import math
 import re
 from collections.abc import Iterator
 
 import msgspec
 import numpy as np
 import pytest
+import viser
 from viser import _messages
 
 import fuzzy
 from app import guard
-from app.state import AppState, DesignChanged, Selected
+from app.state import AppState, DesignChanged, Opened, Selected
 from fuzzy import edits
 from fuzzy.edits import Grid
 from fuzzy.formats import save
@@ -20,7 +23,7 @@ from fuzzy.language import format_rule, parse_rule
 from fuzzy.rules import all_rules
 from fuzzy.shapes import Singleton, Triangle
 from fuzzy.system import FuzzySystem, Input, Is, RuleBase, Term
-from tests.app.test_views import DIAGONAL, PILTAN, Screen, finished, frame_of, simulated, strengths
+from tests.app.test_views import DIAGONAL, PILTAN, STAMP, Screen, finished, frame_of, simulated, strengths
 
 LISTED = edits.dissolve_table(PILTAN)
 RULE = "if e is NB or de is not FR then T is LL with 0.5"
@@ -223,6 +226,33 @@ def test_brushes_stand_in_the_order_of_their_values_in_lines_that_can_be_read(sc
     assert int(columns[1]) <= 9, "narrower than the panel can show"
     assert screen.send(screen.find("brush c0"), True).brush == "c0"
     assert "#brush0{outline" in view._chosen_brush.content
+
+
+def test_buttons_fit_the_table_when_another_is_opened_before_they_are_all_there(screen: Screen) -> None:
+    large = edits.space_terms(edits.space_terms(DIAGONAL, "e", 20), "de", 20)
+    labels = {handle.label for handle in screen.handles().values() if isinstance(handle, viser.GuiButtonHandle)}
+    screen.store._turn_seconds = 0.0
+
+    async def change_mind() -> None:
+        screen.store.dispatch(Opened(large, "large.yaml", STAMP, ()))
+        view = screen.view("RulesView")
+        while len(view._cell_buttons.ids) < 60:  # noqa: ASYNC110
+            await asyncio.sleep(0)
+        view._paint(0)
+        assert screen.store.state.document is large, "the page still shows the other table"
+        screen.store.dispatch(Opened(DIAGONAL, "mine.yaml", STAMP, ()))
+        while screen.store._stale:  # noqa: ASYNC110
+            await asyncio.sleep(0)
+
+    try:
+        asyncio.run_coroutine_threadsafe(change_mind(), screen.loop).result(60)
+    finally:
+        screen.store._turn_seconds = math.inf
+    now = {handle.label for handle in screen.handles().values() if isinstance(handle, viser.GuiButtonHandle)}
+    assert now == labels
+    assert len(screen.view("RulesView")._cell_buttons.ids) == 49
+    screen.dispatch(Selected({"brush": "LR"}))
+    assert screen.send(screen.find("NB, FL"), True).document != DIAGONAL
 
 
 def test_a_table_that_is_too_large_is_not_drawn_and_nothing_breaks(screen: Screen) -> None:

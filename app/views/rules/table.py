@@ -124,6 +124,7 @@ class RulesView:
         terms = tuple(tuple(term.name for term in variable.terms) for variable in (rows, columns, output))
         if terms == self._terms:
             return True
+        self._terms = ()  # until all are there they are those of no table
         brushes = [*(f"brush {term.name}" for term in output.terms), "brush no rule"]
         cells = [f"{row.name}, {column.name}" for row in rows.terms for column in columns.terms]
         if self._brush_buttons.relabel(brushes) or self._cell_buttons.relabel(cells):
