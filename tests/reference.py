@@ -49,6 +49,9 @@ DIGITS = 40
 _context = mpmath.mp.clone()
 _context.dps = DIGITS
 
+exact = functools.lru_cache(maxsize=4096)(Fraction)
+"""Number type of straight sets; a shape's few parameters are asked for again and again."""
+
 number_of_curved: Callable[[float], Number] = _context.mpf
 """Number type where exponentials occur."""
 
@@ -61,7 +64,7 @@ def number_of(system: FuzzySystem) -> Callable[[float], Number]:
     terms = [term for variable in (*system.inputs, *system.outputs) for term in variable.terms]
     hedges = any(isinstance(e, Hedged) for rule in system.rules.list for e in _nodes(rule.antecedent))
     is_straight = all(isinstance(term.shape, STRAIGHT) for term in terms)
-    return Fraction if is_straight and not hedges else number_of_curved
+    return exact if is_straight and not hedges else number_of_curved
 
 
 def _nodes(expression: Any) -> list[Any]:
@@ -99,7 +102,7 @@ def degree(shape: Shape, x: Number, number: Callable[[float], Number]) -> Number
     exp, one, zero = _context.exp, number(1), number(0)
     match shape:
         case Triangle(a=a, b=b, c=c):
-            return degree(Trapezoid(a, b, b, c), x, number)
+            return _on_trapezoid(a, b, b, c, x, number)
         case Rectangle(a=a, b=b):
             return one if a <= x <= b else zero
         case Singleton(value=value):
@@ -110,15 +113,7 @@ def degree(shape: Shape, x: Number, number: Callable[[float], Number]) -> Number
         case Points(points=points):
             return _on_points([(number(place), number(found)) for place, found in points], x)
         case Trapezoid(a=a, b=b, c=c, d=d):
-            if number(b) <= x <= number(c):
-                return one
-            if x < number(b):
-                if math.isinf(a):
-                    return one
-                return (x - number(a)) / (number(b) - number(a)) if x > number(a) else zero
-            if math.isinf(d):
-                return one
-            return (number(d) - x) / (number(d) - number(c)) if x < number(d) else zero
+            return _on_trapezoid(a, b, c, d, x, number)
         case Gaussian(mean=mean, sigma=sigma):
             return exp(-(((x - number(mean)) / number(sigma)) ** 2) / 2)
         case Gaussian2(left_mean=left, left_sigma=left_sigma, right_mean=right, right_sigma=right_sigma):
@@ -151,6 +146,21 @@ def degree(shape: Shape, x: Number, number: Callable[[float], Number]) -> Number
             length = abs(number(end) - number(inflection))
             return length / (length + abs(number(end) - x)) if is_before else one
     raise AssertionError(shape)
+
+
+def _on_trapezoid(a: float, b: float, c: float, d: float, x: Number, number: Callable[[float], Number]) -> Number:
+    top_left, top_right = number(b), number(c)
+    if x < top_left:
+        if math.isinf(a):
+            return number(1)
+        left = number(a)
+        return (x - left) / (top_left - left) if x > left else number(0)
+    if x > top_right:
+        if math.isinf(d):
+            return number(1)
+        right = number(d)
+        return (right - x) / (right - top_right) if x < right else number(0)
+    return number(1)
 
 
 def _on_points(points: list[tuple[Number, Number]], x: Number) -> Number:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from fractions import Fraction
 
 import mpmath
 import numpy as np
@@ -131,8 +130,8 @@ def straight_pieces(system: FuzzySystem, output: Output, conclusions: list[Concl
     implication bends it at the levels w and 1 - w; between these places too the aggregate may bend where implied
     lines cross each other, or their sum crosses 1.
     """
-    number = Fraction
-    conclusions = [(Fraction(float(strength)), term) for strength, term in conclusions]
+    number = reference.exact
+    conclusions = [(number(float(strength)), term) for strength, term in conclusions]
     implication = reference.IMPLICATIONS[system.inference.implication]
     joined = reference.aggregation(system)
     ends = {number(output.low), number(output.high)}
@@ -320,23 +319,19 @@ def landmarks(shape: Shape) -> list[float]:
 
 
 def _sign_changes(indicators: Callable[[np.ndarray], np.ndarray], places: list[float]) -> list[float]:
-    """Return where any of several functions changes its sign, found on a grid and then by bisection."""
-    found: list[float] = []
-    for left, right in itertools.pairwise(places):
-        inset = 1e-12 * (right - left)  # at the places themselves a set may jump
-        grid = np.linspace(left + inset, right - inset, 201)
-        signs = np.where(indicators(grid) > 0, 1, -1)
-        for row, i in np.argwhere(signs[:, 1:] * signs[:, :-1] < 0):
-            start, end = grid[i], grid[i + 1]
-            for _ in range(60):
-                middle = 0.5 * (start + end)
-                if (indicators(np.array([middle]))[row, 0] > 0) == (signs[row, i] > 0):
-                    start = middle
-                else:
-                    end = middle
-            found.append(float(end))
-        found += [float(u) for u in grid[np.any(signs[:, :] == 0, axis=0)]][:0]
-    return found
+    """Return where any of several functions changes its sign, found on a grid and then by bisection, of all at once."""
+    ends = np.array(places)
+    inset = 1e-12 * np.diff(ends)  # at the places themselves a set may jump
+    grid = np.linspace(ends[:-1] + inset, ends[1:] - inset, 201, axis=1)
+    is_positive = indicators(grid.ravel()) > 0
+    is_positive = is_positive.reshape(-1, *grid.shape)
+    row, interval, i = np.nonzero(is_positive[:, :, 1:] != is_positive[:, :, :-1])
+    start, end, at_start = grid[interval, i], grid[interval, i + 1], is_positive[row, interval, i]
+    for _ in range(60 if row.size else 0):
+        middle = 0.5 * (start + end)
+        is_like_start = (indicators(middle)[row, np.arange(row.size)] > 0) == at_start
+        start, end = np.where(is_like_start, middle, start), np.where(is_like_start, end, middle)
+    return end.tolist()
 
 
 def _implied(system: FuzzySystem, conclusions: list[Conclusion], u: np.ndarray) -> np.ndarray:

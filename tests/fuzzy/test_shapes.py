@@ -23,7 +23,7 @@ INF = math.inf
 def test_degrees_follow_the_definition(shape: Shape, x: list[float]) -> None:
     x += [value for value in shapes.parameters(shape) if math.isfinite(value)]
     found = plain.degrees(shape, x)
-    number = reference.Fraction if not isinstance(shape, Gaussian) else reference.number_of_curved
+    number = reference.exact if not isinstance(shape, Gaussian) else reference.number_of_curved
     wanted = [float(reference.degree(shape, number(value), number)) for value in x]
     assert found == pytest.approx(wanted, rel=5e-13, abs=1e-300)  # exp of up to -720
     assert found.min() >= 0
