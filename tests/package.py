@@ -89,7 +89,7 @@ def try_out(programs: Path, place: Path, *, has_kernels: bool) -> None:
     try:
         deadline = time.monotonic() + PATIENCE
         status = 0
-        while status != 200:
+        while status != 200 or "Ctrl+C ends it" not in log.read_text():  # the page is served before that is printed
             assert process.poll() is None, log.read_text()
             assert time.monotonic() < deadline, log.read_text()
             time.sleep(0.1)

@@ -313,7 +313,7 @@ ANY_EVENTS: tuple[Event, ...] = (
 
 
 NAMED = {
-    f"{number} {type(event).__name__} {getattr(event, 'label', getattr(event, 'changes', ''))}": event
+    f"{number} {type(event).__name__} {getattr(event, 'label', ', '.join(getattr(event, 'changes', ())))}": event
     for number, event in enumerate(ANY_EVENTS)
 }
 """Events by short names, which hypothesis can print."""
