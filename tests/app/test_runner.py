@@ -35,6 +35,7 @@ from fuzzy import edits
 from fuzzy.formats import load
 from fuzzy.system import FuzzySystem, Input, RuleBase
 from robot.arm import Arm
+from robot.controllers import PdFlc
 from robot.pull import Pull
 from robot.simulation import Simulation, simulate
 
@@ -229,6 +230,19 @@ def test_a_new_law_takes_over_where_the_arm_is(live: LiveSimulation, law: Experi
     expected.use(law.law)
     expected.advance(round((gone_on.sample.t - still.sample.t) * TICKS_PER_SECOND))
     np.testing.assert_array_equal(gone_on.sample.q, expected.sample().q)  # pyright: ignore[reportOptionalMemberAccess]
+
+
+def test_after_a_run_that_diverged_the_next_edit_begins_anew(live: LiveSimulation) -> None:
+    wanted, edited = prepared(), prepared(PILTAN)
+    live.follow(Playback())
+    live.use(wanted._replace(law=PdFlc(wanted.arm, (1e6,) * 6, (1e5,) * 6)))
+    moment_where(live, lambda moment: moment.stopped is not None, "the run to diverge")
+    live.use(edited)
+    later = moment_where(live, lambda moment: moment.law is edited.law and moment.sample.t > 0.1, "the motion anew")
+    assert later.stopped is None
+    expected = Simulation(*edited)
+    expected.advance(round(later.sample.t * TICKS_PER_SECOND) + 1)
+    np.testing.assert_array_equal(later.sample.q, expected.sample().q)  # pyright: ignore[reportOptionalMemberAccess]
 
 
 @pytest.mark.parametrize("setup", [Setup(scenario="sinus"), Setup(arm="stiff"), Setup(bend=0.2)])
