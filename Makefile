@@ -11,7 +11,7 @@ RULEBASE := rulebases/diagonal.yaml
 # Pyright runs as installed: it neither looks for a newer release nor downloads Node.js (its package brings both).
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
-.PHONY: help run install test check format bench bench-ui torture soak package screenshot browser clean
+.PHONY: help run install test check format bench bench-ui torture soak package fuzz screenshot browser clean
 
 help:  ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1|\2/p' $(MAKEFILE_LIST) | awk -F '|' '{printf "  %-16s %s\n", $$1, $$2}'

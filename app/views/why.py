@@ -23,7 +23,7 @@ _PERIOD = 0.2
 """Least time between two pictures, s: faster than that nobody reads."""
 
 _NOTHING = 1e-3
-"""Share of the output's range that counts as nothing: in it the rules hold each other."""
+"""Share of the output's range that counts as nothing."""
 
 
 class WhyView:
@@ -102,7 +102,8 @@ def _sentence(frame: Frame, controller: Controller, found: Contributions, name: 
     output = equation(escape(found.output), found.value)
     of = next(one for one in system.outputs if one.name == found.output)
     if abs(found.value) < _NOTHING * (of.high - of.low):
-        return f"<div>{where} <b>{output}</b>: the rules that fire hold each other.</div>"
+        why = "the one rule that fires says so" if len(found.rules) == 1 else "the rules that fire hold each other"
+        return f"<div>{where} <b>{output}</b>: {why}.</div>"
     what = f"<b>{output}</b> {'raises' if found.value > 0 else 'lowers'} it"
     return f"<div>{where} {what}, mostly because {reason} ({_signed(first.moved)}).</div>"
 

@@ -296,6 +296,23 @@ def test_there_is_nothing_to_explain_before_the_first_run(screen: Screen, run: R
 
 
 @pytest.mark.parametrize(
+    ("inputs", "said"),
+    [
+        ((3.1, -17.6), "the one rule that fires says so"),  # PB and FL -> Z
+        ((1 / 6, -1.0), "the rules that fire hold each other"),
+        ((0.2, 0.5), "raises it, mostly because"),
+        ((-0.2, -0.5), "lowers it, mostly because"),
+    ],
+)
+def test_why_says_what_the_rules_that_fire_do(screen: Screen, run: Run, inputs: tuple[float, float], said: str) -> None:
+    frame = frame_of(run, 0, strengths(DIAGONAL, run, 0))
+    frame = frame._replace(inference=fuzzy.compile_system(DIAGONAL), inputs=np.array(inputs))
+    screen.on_loop(lambda: setattr(screen.view("WhyView"), "_shown_at", 0.0))
+    screen.show(frame)
+    assert said in screen.view("WhyView")._now.content
+
+
+@pytest.mark.parametrize(
     ("label", "value"),
     [
         ("composition", "Max-Nonsense"),
