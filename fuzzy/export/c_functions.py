@@ -115,7 +115,10 @@ T_NORMS = {
     "drastic_product": "return a >= C(1.0) ? b : b >= C(1.0) ? a : C(0.0);",
     "einstein_product": "return a * b / (C(1.0) + (C(1.0) - a) * (C(1.0) - b));",
     "hamacher_product": "return a * b > C(0.0) ? a * b / (a + b - a * b) : C(0.0);",
-    "nilpotent_minimum": "return a + b > C(1.0) ? (a < b ? a : b) : C(0.0);",
+    "nilpotent_minimum": (
+        "REAL low = a < b ? a : b, high = a < b ? b : a;\n"
+        "    return high >= C(1.0) || low - C(1e-15) > C(1.0) - high ? low : C(0.0);"
+    ),
 }
 """Bodies of f(a, b)."""
 
@@ -126,9 +129,13 @@ S_NORMS = {
     "drastic_sum": "return a <= C(0.0) ? b : b <= C(0.0) ? a : C(1.0);",
     "einstein_sum": "return (a + b) / (C(1.0) + a * b);",
     "hamacher_sum": (
-        "REAL rest = C(1.0) - a * b;\n    return rest > C(0.0) ? (a * (C(1.0) - b) + b * (C(1.0) - a)) / rest : C(1.0);"
+        "REAL rest = (C(1.0) - a) + a * (C(1.0) - b);\n"
+        "    return rest > C(0.0) ? (a * (C(1.0) - b) + b * (C(1.0) - a)) / rest : C(1.0);"
     ),
-    "nilpotent_maximum": "return a + b < C(1.0) ? (a > b ? a : b) : C(1.0);",
+    "nilpotent_maximum": (
+        "REAL low = a < b ? a : b, high = a < b ? b : a;\n"
+        "    return low <= C(0.0) || low + C(1e-15) < C(1.0) - high ? high : C(1.0);"
+    ),
     "sum": "return a + b;",
 }
 """Bodies of f(a, b)."""

@@ -78,7 +78,9 @@ T_NORMS = {
     "drastic_product": lambda a, b: np.where(np.maximum(a, b) >= 1.0, np.minimum(a, b), 0.0),
     "einstein_product": lambda a, b: a * b / (1.0 + (1.0 - a) * (1.0 - b)),
     "hamacher_product": lambda a, b: np.where(a * b > 0.0, a * b / np.where(a * b > 0.0, a + b - a * b, 1.0), 0.0),
-    "nilpotent_minimum": lambda a, b: np.where(np.minimum(a, b) > 1.0 - np.maximum(a, b), np.minimum(a, b), 0.0),
+    "nilpotent_minimum": lambda a, b: np.where(
+        (np.maximum(a, b) >= 1.0) | (np.minimum(a, b) - 1e-15 > 1.0 - np.maximum(a, b)), np.minimum(a, b), 0.0
+    ),
 }
 
 S_NORMS = {
@@ -88,9 +90,11 @@ S_NORMS = {
     "drastic_sum": lambda a, b: np.where(np.minimum(a, b) <= 0.0, np.maximum(a, b), 1.0),
     "einstein_sum": lambda a, b: (a + b) / (1.0 + a * b),
     "hamacher_sum": lambda a, b: np.where(
-        a * b < 1.0, (a * (1.0 - b) + b * (1.0 - a)) / np.where(a * b < 1.0, 1.0 - a * b, 1.0), 1.0
+        a * b < 1.0, (a * (1.0 - b) + b * (1.0 - a)) / np.where(a * b < 1.0, (1.0 - a) + a * (1.0 - b), 1.0), 1.0
     ),
-    "nilpotent_maximum": lambda a, b: np.where(np.minimum(a, b) < 1.0 - np.maximum(a, b), np.maximum(a, b), 1.0),
+    "nilpotent_maximum": lambda a, b: np.where(
+        (np.minimum(a, b) <= 0.0) | (np.minimum(a, b) + 1e-15 < 1.0 - np.maximum(a, b)), np.maximum(a, b), 1.0
+    ),
     "sum": lambda a, b: a + b,
 }
 

@@ -87,7 +87,7 @@ def s_norm(code: int, a: float, b: float) -> float:
     if code == EINSTEIN_SUM:
         return (a + b) / (1.0 + a * b)
     if code == HAMACHER_SUM:
-        rest = 1.0 - a * b
+        rest = (1.0 - high) + high * (1.0 - low)  # 1 - a b
         return (high * (1.0 - low) + low * (1.0 - high)) / rest if rest > 0.0 else 1.0
     return high if low + ROUNDING < 1.0 - high or low <= 0.0 else 1.0
 
