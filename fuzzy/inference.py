@@ -162,22 +162,27 @@ class Controller:
             raise InvalidInputError(f"inputs that are no table of numbers: {error}") from error
         if rows.ndim != 2 or rows.shape[1] != len(self.system.inputs):
             raise InvalidInputError(f"inputs of shape {rows.shape}; valid: (n, {len(self.system.inputs)})")
-        self._check_rows(rows)
-        y = np.tile(self.tables.outputs.no_fire_value, (len(rows), 1))
+        y = np.empty((len(rows), len(self.system.outputs)))
         n_parts = max(1, min(len(rows) // _ROWS_PER_THREAD, _processors()))
         bounds = [len(rows) * part // n_parts for part in range(n_parts + 1)]
         shape = lanes.block_shape(int(self.tables.inputs.term_start[-1]), self.tables.outputs.shape.size)
-        directories = [self.directory() for _ in range(n_parts)]
-        parts = [
-            functools.partial(lanes.evaluate_rows, own.address, rows, y, start, end, np.empty(shape))
-            for own, start, end in zip(directories, bounds[:-1], bounds[1:], strict=True)
-        ]
-        threads = [threading.Thread(target=part) for part in parts[1:]]
+        memory = [(self.directory(), np.empty(shape)) for _ in range(n_parts)]
+        refused = [-1] * n_parts
+
+        def evaluate(part: int) -> None:
+            start, end = bounds[part : part + 2]
+            own, block = memory[part]
+            y[start:end] = self.tables.outputs.no_fire_value
+            refused[part] = lanes.evaluate_rows(own.address, rows, y, start, end, block)
+
+        threads = [threading.Thread(target=evaluate, args=(part,)) for part in range(1, n_parts)]
         for thread in threads:
             thread.start()
-        parts[0]()
+        evaluate(0)
         for thread in threads:
             thread.join()
+        if max(refused) >= 0:
+            self._check_rows(rows)
         return y
 
     def explain(self, *inputs: float) -> Trace:

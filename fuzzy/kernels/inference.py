@@ -73,6 +73,12 @@ def evaluate_rows(address, x, y, first, end):
         y: (n, n_out) in: the last outputs of every row, for the hold policy; out: crisp outputs.
         first: First row to evaluate.
         end: The row after the last one.
+
+    Returns:
+        A row of which an input is not finite or is rejected, -1 for none.
     """
+    refused = -1
     for i in range(first, end):
-        _evaluate(address, x[at(i)], y[at(i)])
+        if _evaluate(address, x[at(i)], y[at(i)]) < 0:
+            refused = i
+    return refused

@@ -38,7 +38,11 @@ def evaluate_rows(address, x, y, first, end, block):
         first: First row to evaluate.
         end: The row after the last one.
         block: Memory of ``block_shape``; its contents do not matter.
+
+    Returns:
+        A row of which an input is not finite or is rejected, -1 for none.
     """
+    refused = -1
     row = first
     if _suits(address):
         n_terms = block.shape[0] - _ROWS
@@ -48,10 +52,10 @@ def evaluate_rows(address, x, y, first, end, block):
             _fire(address, block, block[at(n_terms + 1)])
             _defuzzify(address, y, row, block, usual, block[n_terms + 1 :])
             for lane in range(LANES):
-                if usual[lane] == 0.0:
-                    inference.evaluate(address, x[at(row + lane)], y[at(row + lane)])
+                if usual[lane] == 0.0 and inference.evaluate(address, x[at(row + lane)], y[at(row + lane)]) < 0:
+                    refused = row + lane
             row += LANES
-    inference.evaluate_rows(address, x, y, row, end)
+    return max(refused, inference.evaluate_rows(address, x, y, row, end))
 
 
 @borrowing_kernel
