@@ -94,7 +94,7 @@ class SurfaceView:
             self._labels = [
                 self._scene.add_label(f"/surface/names/{side}", "", position=_name_place(side)) for side in _NAMES
             ]
-        self._mesh.glb_data = landscape.mesh
+        put(self._mesh, glb_data=landscape.mesh)
         surface = landscape.surface
         for label, text in zip(self._labels, (surface.x_name, surface.y_name, surface.output), strict=True):
             put(label, text=label_text(text))
