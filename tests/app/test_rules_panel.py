@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import math
 import re
 from collections.abc import Iterator
 
@@ -231,7 +230,6 @@ def test_brushes_stand_in_the_order_of_their_values_in_lines_that_can_be_read(sc
 def test_buttons_fit_the_table_when_another_is_opened_before_they_are_all_there(screen: Screen) -> None:
     large = edits.space_terms(edits.space_terms(DIAGONAL, "e", 20), "de", 20)
     labels = {handle.label for handle in screen.handles().values() if isinstance(handle, viser.GuiButtonHandle)}
-    screen.store._turn_seconds = 0.0
 
     async def change_mind() -> None:
         screen.store.dispatch(Opened(large, "large.yaml", STAMP, ()))
@@ -241,13 +239,8 @@ def test_buttons_fit_the_table_when_another_is_opened_before_they_are_all_there(
         view._paint(0)
         assert screen.store.state.document is large, "the page still shows the other table"
         screen.store.dispatch(Opened(DIAGONAL, "mine.yaml", STAMP, ()))
-        while screen.store._stale:  # noqa: ASYNC110
-            await asyncio.sleep(0)
 
-    try:
-        asyncio.run_coroutine_threadsafe(change_mind(), screen.loop).result(60)
-    finally:
-        screen.store._turn_seconds = math.inf
+    screen.in_turns(change_mind)
     now = {handle.label for handle in screen.handles().values() if isinstance(handle, viser.GuiButtonHandle)}
     assert now == labels
     assert len(screen.view("RulesView")._cell_buttons.ids) == 49

@@ -354,18 +354,12 @@ def test_views_that_are_passed_over_show_what_they_would_show_after_any_events(
 @settings(max_examples=20)
 def test_views_that_wait_for_their_turn_show_the_same_in_the_end(screen: Screen, names: list[str]) -> None:
     settle(screen)
-    screen.store._turn_seconds = 0.0
 
     async def dispatch() -> None:
         for name in names:
             screen.store.dispatch(NAMED[name])
-        while screen.store._stale:  # noqa: ASYNC110
-            await asyncio.sleep(0)
 
-    try:
-        asyncio.run_coroutine_threadsafe(dispatch(), screen.loop).result(60)
-    finally:
-        screen.store._turn_seconds = math.inf
+    screen.in_turns(dispatch)
     assert_all_is_shown(screen)
 
 

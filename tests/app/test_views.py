@@ -6,7 +6,7 @@ import asyncio
 import itertools
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -105,6 +105,20 @@ class Screen:
             return do()
 
         return asyncio.run_coroutine_threadsafe(run(), self.loop).result(60)
+
+    def in_turns(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        """Do some work on the loop while each view waits for a turn of its own, until all have had theirs."""
+
+        async def run() -> None:
+            await work()
+            while self.store._stale:  # noqa: ASYNC110
+                await asyncio.sleep(0)
+
+        self.store._turn_seconds = 0.0
+        try:
+            asyncio.run_coroutine_threadsafe(run(), self.loop).result(60)
+        finally:
+            self.store._turn_seconds = math.inf
 
     def dispatch(self, *events: Any) -> AppState:
         for event in events:
